@@ -1,0 +1,97 @@
+# Every command that a person or CI runs. Targets set up what they need: `make test` works in a fresh clone.
+
+PYTHON ?= python3
+ARGS ?=
+BIN := .venv/bin
+export VIRTUAL_ENV := $(CURDIR)/.venv
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_QUIET := 1
+PIP := $(BIN)/python -m pip install
+
+# The core and the bindings; a change to any of them builds the extension module anew. Python files need no build.
+RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -name Cargo.toml) \
+	Cargo.toml $(wildcard Cargo.lock)
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench campaign-plane wheel clean
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+setup: .venv/.built ## make .venv, build palpate and install it there
+
+demo: .venv/.built ## recognize a bundled part from contacts, and draw it
+	$(BIN)/palpate demo $(ARGS)
+
+test: test-rust test-python ## all tests
+
+test-rust: | .venv/.cargo
+	cargo test --release --quiet
+
+test-python: .venv/.built .venv/.test
+	$(BIN)/python -m pytest --quiet $(ARGS)
+
+check: lint-rust lint-python ## formatting, lints, types, stubs and documentation
+
+lint-rust: export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+lint-rust: export RUSTDOCFLAGS := -D warnings
+lint-rust: | .venv/.tools .venv/.cargo
+	cargo fmt --all --check
+	cargo clippy --quiet --workspace --all-targets -- -D warnings
+	cargo doc --quiet --package palpate --no-deps
+
+lint-python: .venv/.built .venv/.test .venv/.dev
+	$(BIN)/ruff check --quiet
+	$(BIN)/ruff format --quiet --check
+	$(BIN)/mypy
+	MYPYPATH=python $(BIN)/python -m mypy.stubtest palpate._core
+
+fmt: .venv/.dev ## format all sources
+	cargo fmt --all
+	$(BIN)/ruff check --quiet --fix-only --select I
+	$(BIN)/ruff format --quiet
+
+bench: | .venv/.cargo ## time the core
+	cargo bench --quiet $(ARGS)
+
+campaign-plane: .venv/.built ## 100,000 random planar problems: is anything true lost? resumes where it was stopped
+	$(BIN)/python -m palpate.experiments.campaign_plane $(ARGS)
+
+docs: .venv/.built .venv/.docs ## the reference of the core in target/doc; the site, if there is a mkdocs.yml, in site/
+	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --package palpate --no-deps
+	$(if $(wildcard mkdocs.yml),$(BIN)/mkdocs build --quiet --strict,)
+
+wheel: .venv/.tools .venv/.cargo ## a wheel in target/wheels
+	$(BIN)/maturin build --release --quiet
+
+clean: ## remove what was built, .venv included
+	rm -rf .venv target site
+	rm -f python/palpate/_core.*.so python/palpate/_core.so
+
+# Stamps: each is touched when its step is done, and is older than what would make the step necessary again.
+
+.venv/.tools:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
+		{ echo "palpate needs Python 3.10 or newer: install it, or say which with make PYTHON=python3.12" >&2; exit 1; }
+	@echo "making .venv"
+	@$(PYTHON) -m venv .venv || \
+		{ echo "python3 can't make virtual environments: install its venv package (Debian: python3-venv)" >&2; exit 1; }
+	@$(PIP) 'maturin>=1.9,<2'
+	@touch $@
+
+.venv/.cargo: | .venv/.tools
+	@command -v cargo >/dev/null || \
+		{ echo "palpate needs Rust 1.85 or newer and cargo is missing: install it (https://rustup.rs), then run make again" >&2; exit 1; }
+	@touch $@
+
+.venv/.built: pyproject.toml $(RUST) | .venv/.tools .venv/.cargo
+	@echo "building palpate (a few minutes the first time)"
+	@$(BIN)/maturin develop --release --quiet
+	@touch $@
+
+# palpate itself is installed by now, so that these add only what its extras name.
+.venv/.test .venv/.dev .venv/.docs: .venv/.%: pyproject.toml | .venv/.built
+	@echo "installing what $* needs"
+	@$(PIP) 'palpate[$*]'
+	@touch $@

@@ -1,0 +1,32 @@
+//! Python bindings: convert, call without the interpreter's lock, raise. Nothing is decided here.
+
+mod contact;
+mod convert;
+mod evidence;
+mod hypothesis;
+mod interpretations;
+mod model;
+mod recognize;
+
+use pyo3::prelude::*;
+
+/// The compiled core of palpate; import from `palpate` instead.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use crate::contact::PyContact;
+    #[pymodule_export]
+    use crate::evidence::{PyMiss, PyPrior};
+    #[pymodule_export]
+    use crate::hypothesis::{PyHypothesis, PyInterpretation, PyPoseSet};
+    #[pymodule_export]
+    use crate::interpretations::PyInterpretations;
+    #[pymodule_export]
+    use crate::model::PyModel;
+    #[pymodule_export]
+    use crate::recognize::{PyRecognition, recognize};
+
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "Python's name for it")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

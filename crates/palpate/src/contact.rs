@@ -1,0 +1,196 @@
+//! Evidence: contacts, misses and the prior.
+
+use glam::DVec2;
+
+use crate::Error;
+use crate::plane::Pose;
+
+/// A sensed outward surface normal and the bound on its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normal {
+    /// Unit outward normal, world frame.
+    pub direction: DVec2,
+    /// The true normal is within this angle of `direction`; radians, `[0, π/2]`.
+    pub error: f64,
+}
+
+/// The tip rests on the part: its centre is within `position_error` of `center`.
+///
+/// A measured surface point is the case `tip_radius == 0`. Lengths in the models' unit, world frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Sensed centre of the tip.
+    pub center: DVec2,
+    /// Radius of the tip, `>= 0`.
+    pub tip_radius: f64,
+    /// The true centre is within this distance of `center`.
+    pub position_error: f64,
+    /// Sensed outward normal, if the probe reads one.
+    pub normal: Option<Normal>,
+    /// Unit direction of travel, pointing into the part: the true normal `n` has `-approach·n >= 0`.
+    pub approach: Option<DVec2>,
+    /// Where the guarded move began: the path from `start` to the contact was free.
+    pub start: Option<DVec2>,
+}
+
+/// A guarded move that touched nothing: the tip swept `start..end` freely.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Miss {
+    /// Where the move began, world frame.
+    pub start: DVec2,
+    /// Where it ended.
+    pub end: DVec2,
+    /// Radius of the tip, `>= 0`.
+    pub tip_radius: f64,
+    /// How far the tip may have left its line, `>= 0`.
+    pub path_error: f64,
+}
+
+/// What is known of the pose beforehand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prior {
+    /// The middle of the range of poses.
+    pub world_from_model: Pose,
+    /// Each component of the translation is within this of the middle's.
+    pub translation: f64,
+    /// The rotation is within this angle of the middle's; radians, `[0, π]`.
+    pub rotation: f64,
+}
+
+/// All that was observed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Evidence {
+    /// Touches.
+    pub contacts: Vec<Contact>,
+    /// Guarded moves that touched nothing.
+    pub misses: Vec<Miss>,
+    /// What was known beforehand.
+    pub prior: Option<Prior>,
+}
+
+fn finite(argument: &str, value: DVec2) -> Result<DVec2, Error> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Error::new(argument, "must be finite", value, "give finite coordinates"))
+    }
+}
+
+fn nonnegative(argument: &str, value: f64) -> Result<f64, Error> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(Error::new(
+            argument,
+            "must be a finite number, zero or more",
+            value,
+            "give the bound as a length",
+        ))
+    }
+}
+
+fn within(argument: &str, value: f64, largest: f64, remedy: &str) -> Result<f64, Error> {
+    if (0.0..=largest).contains(&value) {
+        Ok(value)
+    } else {
+        let problem = format!("must be an angle in radians from 0 to {largest:.4}");
+        Err(Error::new(argument, problem, value, remedy))
+    }
+}
+
+fn direction(argument: &str, value: DVec2) -> Result<DVec2, Error> {
+    finite(argument, value)?
+        .try_normalize()
+        .ok_or_else(|| Error::new(argument, "must not be zero", value, "give a direction, of any length"))
+}
+
+impl Normal {
+    /// A normal along `toward`, of any length but zero.
+    ///
+    /// # Errors
+    /// If `toward` is zero or not finite, or `error` is outside `[0, π/2]`.
+    pub fn new(toward: DVec2, error: f64) -> Result<Self, Error> {
+        Ok(Self {
+            direction: direction("normal", toward)?,
+            error: within(
+                "normal_error",
+                error,
+                std::f64::consts::FRAC_PI_2,
+                "give radians, or leave the normal out if nothing is known of it",
+            )?,
+        })
+    }
+}
+
+impl Contact {
+    /// A contact of a tip of radius `tip_radius` centred within `position_error` of `center`.
+    ///
+    /// # Errors
+    /// If a number is not finite or negative.
+    pub fn new(center: DVec2, tip_radius: f64, position_error: f64) -> Result<Self, Error> {
+        Ok(Self {
+            center: finite("center", center)?,
+            tip_radius: nonnegative("tip_radius", tip_radius)?,
+            position_error: nonnegative("position_error", position_error)?,
+            normal: None,
+            approach: None,
+            start: None,
+        })
+    }
+
+    /// The same contact with a sensed normal.
+    #[must_use]
+    pub fn with_normal(self, normal: Normal) -> Self {
+        Self { normal: Some(normal), ..self }
+    }
+
+    /// The same contact, reached along `toward`, of any length but zero.
+    ///
+    /// # Errors
+    /// If `toward` is zero or not finite.
+    pub fn with_approach(self, toward: DVec2) -> Result<Self, Error> {
+        Ok(Self { approach: Some(direction("approach", toward)?), ..self })
+    }
+
+    /// The same contact, whose guarded move began at `start`.
+    ///
+    /// # Errors
+    /// If `start` is not finite.
+    pub fn with_start(self, start: DVec2) -> Result<Self, Error> {
+        Ok(Self { start: Some(finite("start", start)?), ..self })
+    }
+}
+
+impl Miss {
+    /// A free sweep from `start` to `end`.
+    ///
+    /// # Errors
+    /// If a number is not finite or negative.
+    pub fn new(start: DVec2, end: DVec2, tip_radius: f64, path_error: f64) -> Result<Self, Error> {
+        Ok(Self {
+            start: finite("start", start)?,
+            end: finite("end", end)?,
+            tip_radius: nonnegative("tip_radius", tip_radius)?,
+            path_error: nonnegative("path_error", path_error)?,
+        })
+    }
+}
+
+impl Prior {
+    /// Poses around `world_from_model`.
+    ///
+    /// # Errors
+    /// If a bound is negative, not finite, or a rotation above `π`.
+    pub fn new(world_from_model: Pose, translation: f64, rotation: f64) -> Result<Self, Error> {
+        Ok(Self {
+            world_from_model,
+            translation: nonnegative("translation", translation)?,
+            rotation: within(
+                "rotation",
+                rotation,
+                std::f64::consts::PI,
+                "give radians; π leaves the rotation free",
+            )?,
+        })
+    }
+}

@@ -1,0 +1,18 @@
+//! Recognize and localize a known part by touch, with guarantees.
+//!
+//! From a few contacts of a probe, [`recognize`] finds every model and every pose that explains them: nothing true is
+//! lost, nothing false is kept (up to a stated tolerance). Lengths are in the unit of the models, angles in radians.
+
+pub mod contact;
+pub mod error;
+pub mod feature;
+pub mod hypothesis;
+pub mod plane;
+pub mod recognize;
+pub mod tree;
+
+pub use contact::{Contact, Evidence, Miss, Normal, Prior};
+pub use error::Error;
+pub use feature::Feature;
+pub use hypothesis::{Count, Hypothesis, Interpretation};
+pub use recognize::{ModelReport, Recognition, Settings, recognize};

@@ -1,0 +1,211 @@
+//! One model against the evidence, in the coordinates in which pose sets are computed.
+//!
+//! A pose is written `(θ, y)`: the rotation, and the model point `y` that is placed at the *pivot*, a world point
+//! in the middle of the contacts. The world point `pivot + c` is then the model point `y + R(−θ)c`: features stay
+//! where they are, levers `c` have the size of the data, and at one θ every condition is a condition on `y`.
+
+use std::sync::Arc as Shared;
+
+use glam::DVec2;
+
+use super::arc::Arc;
+use super::free::Sweep;
+use super::model::Model;
+use super::pose::Pose;
+use super::site::Site;
+use crate::contact::{Contact, Evidence, Prior};
+use crate::feature::Feature;
+
+/// A pose as rotation and the model point at the pivot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PivotPose {
+    pub angle: f64,
+    pub y: DVec2,
+}
+
+/// A contact as seen from the pivot, the model's slacks added to its bounds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Datum {
+    /// Sensed centre of the tip from the pivot, world frame.
+    pub lever: DVec2,
+    /// Its bound: position error and position slack.
+    pub bound: f64,
+    /// Radius of the tip.
+    pub radius: f64,
+    /// The outward normals that the reading allows, world frame; `None`: nothing is known of it.
+    pub normals: Option<Arc>,
+    /// The sensed normals alone.
+    sensed: Option<Arc>,
+    /// The normals that the direction of travel allows.
+    facing: Option<Arc>,
+}
+
+impl Datum {
+    /// The same datum with the bounds of its reading multiplied by `share`.
+    fn scaled(self, share: f64) -> Self {
+        let sensed = self.sensed.map(|sensed| Arc::around(sensed.middle(), share * sensed.half_width()));
+        Self { bound: share * self.bound, sensed, normals: both(sensed, self.facing), ..self }
+    }
+}
+
+/// A model, the evidence, and the tolerances.
+#[derive(Debug)]
+pub(crate) struct Case {
+    pub model: Shared<Model>,
+    pub data: Vec<Datum>,
+    pub pivot: DVec2,
+    pub prior: Option<Prior>,
+    pub sweeps: Vec<Sweep>,
+    /// Half of τ, a length: a pose is kept if it is valid with every bound enlarged by it. What is asked of a pose
+    /// later allows for all of τ, so that rounding in between does not matter.
+    pub length_tolerance: f64,
+    /// The same as an angle: half of τ over the size of the part.
+    pub angle_tolerance: f64,
+    /// Bounds every coordinate that occurs; rounding is measured in it.
+    pub scale: f64,
+}
+
+/// Outward rounding: computed bounds are wider by this share of the scale, some 10⁴ units of rounding.
+const OUTWARD: f64 = 1e-12;
+
+/// The share of the part's own size, in angle or length, by which a bound may be missed through rounding alone.
+const ROUNDING: f64 = 1e-10;
+
+impl Case {
+    /// `tolerance` is relative to the part's size.
+    pub fn new(model: &Shared<Model>, evidence: &Evidence, tolerance: f64) -> Self {
+        let pivot = middle(&evidence.contacts, evidence.prior);
+        let data: Vec<Datum> = evidence.contacts.iter().map(|contact| datum(contact, model, pivot)).collect();
+        let sweeps = Sweep::all(evidence, model, pivot);
+        let reach = |points: &mut dyn Iterator<Item = DVec2>| points.map(DVec2::length).fold(0.0, f64::max);
+        let scale = model.size
+            + reach(&mut model.faces.iter().flat_map(|face| [face.start, face.end]))
+            + data.iter().map(|datum| datum.lever.length() + datum.bound + datum.radius).fold(0.0, f64::max)
+            + evidence
+                .prior
+                .map_or(0.0, |prior| prior.translation + prior.world_from_model.translation.distance(pivot));
+        Self {
+            model: Shared::clone(model),
+            data,
+            pivot,
+            prior: evidence.prior,
+            sweeps,
+            length_tolerance: 0.5 * tolerance * model.size,
+            angle_tolerance: 0.5 * tolerance,
+            scale,
+        }
+    }
+
+    /// The same case with the bounds of every reading multiplied by `share`.
+    pub fn scaled(&self, share: f64) -> Self {
+        Self {
+            model: Shared::clone(&self.model),
+            data: self.data.iter().map(|datum| datum.scaled(share)).collect(),
+            sweeps: self.sweeps.clone(),
+            ..*self
+        }
+    }
+
+    /// A length that covers all rounding in this case.
+    pub fn outward(&self) -> f64 {
+        OUTWARD * self.scale
+    }
+
+    /// A length by which rounding alone may miss a bound.
+    pub fn rounding(&self) -> f64 {
+        ROUNDING * self.scale
+    }
+
+    pub fn pivot_pose(&self, world_from_model: Pose) -> PivotPose {
+        let y = world_from_model.inverse().apply(self.pivot);
+        PivotPose { angle: world_from_model.angle(), y }
+    }
+
+    pub fn pose(&self, pose: PivotPose) -> Pose {
+        let rotation = DVec2::from_angle(pose.angle);
+        Pose { rotation, translation: self.pivot - rotation.rotate(pose.y) }
+    }
+
+    /// Where contact `i` lies in the model's frame.
+    pub fn place(&self, contact: usize, pose: PivotPose) -> DVec2 {
+        pose.y + DVec2::from_angle(-pose.angle).rotate(self.data[contact].lever)
+    }
+
+    /// The site of `feature` for the tip of contact `i`.
+    pub fn site(&self, contact: usize, feature: Feature) -> Option<Site> {
+        Site::new(&self.model, feature, self.data[contact].radius)
+    }
+
+    /// The rotations that bring a normal of the site to contact `i`'s, within `slack` more than its bound.
+    pub fn rotations(&self, contact: usize, site: &Site, slack: f64) -> Arc {
+        site.rotations(self.data[contact].normals.map(|normals| normals.widen(slack)))
+    }
+
+    /// By how much contact `i` misses the site at `pose`: a length beyond its bound. Infinite where the normals,
+    /// widened by `slack`, exclude it.
+    pub fn excess(&self, contact: usize, site: &Site, pose: PivotPose, slack: f64) -> f64 {
+        let datum = &self.data[contact];
+        if self.rotations(contact, site, slack).distance(pose.angle) > 0.0 {
+            return f64::INFINITY;
+        }
+        let allowed = datum.normals.map(|normals| normals.widen(slack).turn(-pose.angle));
+        let x = self.place(contact, pose);
+        let distance = |site: &Site| site.nearest(x).distance(x);
+        site.restrict(allowed).iter().map(distance).fold(f64::INFINITY, f64::min) - datum.bound
+    }
+
+    /// By how much the prior is missed: the larger of the excess in translation and in rotation times the size.
+    pub fn prior_excess(&self, pose: PivotPose) -> f64 {
+        self.prior.map_or(f64::NEG_INFINITY, |prior| {
+            let offset = self.pose(pose).translation - prior.world_from_model.translation;
+            let turn = super::arc::wrap(pose.angle - prior.world_from_model.angle()).abs();
+            let translation = offset.abs().max_element() - prior.translation;
+            translation.max((turn - prior.rotation) * self.model.size)
+        })
+    }
+
+    /// Whether prior and free sweeps allow the pose, within `slack`.
+    pub fn allows(&self, pose: PivotPose, slack: f64) -> bool {
+        self.prior_excess(pose) <= slack
+            && self.sweeps.iter().all(|sweep| sweep.free(&self.model, pose, slack))
+    }
+}
+
+/// The middle of the contacts' bounding box; with none, of the prior.
+fn middle(contacts: &[Contact], prior: Option<Prior>) -> DVec2 {
+    let mut centers = contacts.iter().map(|contact| contact.center);
+    let Some(first) = centers.next() else {
+        return prior.map_or(DVec2::ZERO, |prior| prior.world_from_model.translation);
+    };
+    let (low, high) = centers.fold((first, first), |(low, high), at| (low.min(at), high.max(at)));
+    0.5 * (low + high)
+}
+
+fn datum(contact: &Contact, model: &Model, pivot: DVec2) -> Datum {
+    let sensed = contact
+        .normal
+        .map(|normal| Arc::around(normal.direction.to_angle(), normal.error + model.normal_slack));
+    // −approach·n ≥ 0: the normal is within a quarter turn of the way back.
+    let facing = contact.approach.map(|approach| {
+        Arc::around((-approach).to_angle(), std::f64::consts::FRAC_PI_2 + model.normal_slack)
+    });
+    Datum {
+        lever: contact.center - pivot,
+        bound: contact.position_error + model.position_slack,
+        radius: contact.tip_radius,
+        normals: both(sensed, facing),
+        sensed,
+        facing,
+    }
+}
+
+/// The normals that both allow. A normal and an approach that contradict each other are refused as input, so that two
+/// arcs of about half a circle at most share one arc.
+fn both(sensed: Option<Arc>, facing: Option<Arc>) -> Option<Arc> {
+    match (sensed, facing) {
+        (Some(sensed), Some(facing)) => {
+            Some(sensed.intersect(facing).into_iter().next().unwrap_or(Arc { width: 0.0, ..sensed }))
+        }
+        (sensed, facing) => sensed.or(facing),
+    }
+}

@@ -1,0 +1,349 @@
+//! A cell of pose space: an interval of rotations, a box of pivot points, and a polytope around what is left in it.
+//!
+//! For θ = mid + d and s = sin d, a lever turns as `R(−θ)c = cos d · a − s · Ja` with `a = R(−mid)c` and J the
+//! quarter turn. As `cos d` is within ρ = (1−cos h)/2 of μ = (1+cos h)/2 for |d| ≤ h, every condition
+//! `u·(y + R(−θ)c) ≤ b` implies `u·y − s u·Ja ≤ b − μ u·a + ρ|u·a|`: linear in (s, y), and loose by no more than
+//! `2ρ|a| ≈ h²|a|/2`. (P3 of MATH 2.1.1 is loose by `h|a|`; the second order is what makes few cells tight.)
+
+use arrayvec::ArrayVec;
+use glam::{DVec2, dvec2};
+
+use super::arc::{Arc, wrap};
+use super::case::{Case, PivotPose};
+use super::polytope::{HalfSpace, Polytope};
+use super::pose::Pose;
+use super::site::Site;
+use crate::feature::Feature;
+
+/// Above this half width, radians, a cell is only a box: the linear conditions say too little there.
+const WIDEST_POLYTOPE: f64 = 0.35;
+
+/// A part of pose space.
+#[derive(Debug, Clone)]
+pub(crate) struct Cell {
+    pub mid: f64,
+    pub half: f64,
+    pub y_low: DVec2,
+    pub y_high: DVec2,
+    polytope: Polytope,
+}
+
+/// Contacts on sites: the conditions that a pose must satisfy together.
+#[derive(Debug)]
+pub(crate) struct Conditions<'a> {
+    pub case: &'a Case,
+    pub sites: Vec<(usize, Site)>,
+    /// The rotations that normals and prior leave, widened by the tolerance.
+    pub rotations: Vec<Arc>,
+}
+
+impl<'a> Conditions<'a> {
+    /// That contact `i` lies on feature `f`, for each pair; `None` if normals and prior leave no rotation.
+    pub fn new(case: &'a Case, pairs: impl Iterator<Item = (usize, Feature)>) -> Option<Self> {
+        let mut rotations = vec![case.prior.map_or(Arc::FULL, |prior| {
+            Arc::around(prior.world_from_model.angle(), prior.rotation).widen(case.angle_tolerance)
+        })];
+        let mut sites = Vec::new();
+        for (contact, feature) in pairs {
+            let site = case.site(contact, feature)?;
+            let own = case.rotations(contact, &site, case.angle_tolerance);
+            rotations = rotations.iter().flat_map(|arc| arc.intersect(own)).collect();
+            if rotations.is_empty() {
+                return None;
+            }
+            sites.push((contact, site));
+        }
+        Some(Self { case, sites, rotations })
+    }
+
+    /// Whether the pose satisfies all of them, bounds enlarged by `length` and `angle`.
+    pub fn satisfied(&self, pose: PivotPose, length: f64, angle: f64) -> bool {
+        self.sites.iter().all(|(contact, site)| self.case.excess(*contact, site, pose, angle) <= length)
+            && self.case.allows(pose, length)
+    }
+
+    /// Whether the set at one rotation is convex, so that only rotations need be divided.
+    pub fn convex(&self) -> bool {
+        self.case.sweeps.is_empty()
+            && self.case.prior.is_none()
+            && self.sites.iter().all(|(_, site)| site.convex())
+    }
+
+    /// The largest lever among the contacts, to the far side of the tip, and the sweeps.
+    pub fn reach(&self) -> f64 {
+        let lever = |contact: usize| self.case.data[contact].lever.length() + self.case.data[contact].radius;
+        let contacts = self.sites.iter().map(|(contact, _)| lever(*contact));
+        contacts.chain(self.case.sweeps.iter().map(|sweep| sweep.reach())).fold(0.0, f64::max)
+    }
+}
+
+impl Cell {
+    /// Everything with a rotation within `half` of `mid`.
+    pub fn whole(mid: f64, half: f64) -> Self {
+        let infinite = DVec2::INFINITY;
+        Self { mid, half, y_low: -infinite, y_high: infinite, polytope: Polytope::default() }
+    }
+
+    /// The cell within a box of pivot points.
+    pub fn within(self, y_low: DVec2, y_high: DVec2) -> Self {
+        Self { y_low, y_high, ..self }
+    }
+
+    /// The corners of the polytope as `(s, y)`.
+    pub fn corners(&self) -> impl ExactSizeIterator<Item = (f64, DVec2)> + '_ {
+        self.polytope.corners().map(|[s, x, y]| (s, dvec2(x, y)))
+    }
+
+    /// Half the sizes of the box.
+    pub fn y_half(&self) -> DVec2 {
+        0.5 * (self.y_high - self.y_low)
+    }
+
+    pub fn y_mid(&self) -> DVec2 {
+        0.5 * (self.y_high + self.y_low)
+    }
+
+    /// How far a point at `reach` from the pivot moves in the model's frame, at most, from the middle of the cell.
+    pub fn motion(&self, reach: f64) -> f64 {
+        self.y_half().length() + 2.0 * (0.5 * self.half).sin() * reach
+    }
+
+    /// A pose in the middle of what is left of the cell.
+    pub fn candidate(&self) -> PivotPose {
+        if self.polytope.is_empty() {
+            return PivotPose { angle: self.mid, y: self.y_mid() };
+        }
+        let [s, x, y] = self.polytope.mean();
+        self.pose(s, dvec2(x, y))
+    }
+
+    /// The pose of a point of the polytope.
+    pub fn pose(&self, s: f64, y: DVec2) -> PivotPose {
+        PivotPose { angle: self.mid + s.clamp(-1.0, 1.0).asin(), y }
+    }
+
+    /// Whether the cell may hold `pose`, within `length` and `angle`.
+    pub fn holds(&self, pose: PivotPose, length: f64, angle: f64) -> bool {
+        wrap(pose.angle - self.mid).abs() <= self.half + angle
+            && pose.y.cmpge(self.y_low - length).all()
+            && pose.y.cmple(self.y_high + length).all()
+    }
+
+    /// Whether the cell and `other`, moved by a symmetry of the model, may hold the same placed part, within `length`.
+    ///
+    /// `pose` and `pose * motion⁻¹` place the same part: θ turns back by the motion's angle, y moves with it.
+    pub fn meets(&self, other: &Self, motion: Pose, length: f64, angle: f64) -> bool {
+        let turned = wrap(other.mid - motion.angle() - self.mid).abs();
+        let gap = (motion.apply(other.y_mid()) - self.y_mid()).abs();
+        let turn = motion.rotation.abs();
+        let half = other.y_half();
+        let spread =
+            self.y_half() + dvec2(turn.x * half.x + turn.y * half.y, turn.y * half.x + turn.x * half.y);
+        turned <= self.half + other.half + angle && gap.cmple(spread + length).all()
+    }
+
+    /// Shrinks the cell to what the conditions leave of it; `false` if they leave nothing.
+    pub fn contract(&mut self, conditions: &Conditions<'_>) -> bool {
+        if !self.contract_box(conditions) {
+            return false;
+        }
+        if self.half > WIDEST_POLYTOPE {
+            return true;
+        }
+        let outward = conditions.case.outward();
+        let reach = self.half.sin() + outward / conditions.case.scale;
+        let (low, high) = (self.y_low - outward, self.y_high + outward);
+        self.polytope = Polytope::boxed([-reach, low.x, low.y], [reach, high.x, high.y]);
+        for (contact, site) in &conditions.sites {
+            let Some(site) = self.restrict(conditions.case, *contact, site) else { return false };
+            for direction in site.directions() {
+                self.cut(conditions.case, *contact, &site, direction);
+            }
+            if self.polytope.is_empty() {
+                return false;
+            }
+        }
+        self.cut_prior(conditions.case);
+        self.shrink_to_polytope(conditions.case)
+    }
+
+    /// Intersects the box with what each contact leaves of it on its own.
+    fn contract_box(&mut self, conditions: &Conditions<'_>) -> bool {
+        let turn = DVec2::from_angle(-self.mid);
+        let chord = 2.0 * (0.5 * self.half).sin();
+        for (contact, site) in &conditions.sites {
+            let datum = &conditions.case.data[*contact];
+            let (middle, half) = site.bounds();
+            let middle = middle - turn.rotate(datum.lever);
+            let slack = datum.bound + chord * datum.lever.length() + conditions.case.outward();
+            self.y_low = self.y_low.max(middle - half - slack);
+            self.y_high = self.y_high.min(middle + half + slack);
+        }
+        self.y_low.cmple(self.y_high).all()
+    }
+
+    /// The part of a site that contact `i` can reach within the cell; `None` if it can reach none of it.
+    fn restrict(&self, case: &Case, contact: usize, site: &Site) -> Option<Site> {
+        let Site::Arc { middle, radius, .. } = *site else { return Some(*site) };
+        if radius == 0.0 {
+            return Some(*site);
+        }
+        let datum = &case.data[contact];
+        let allowed =
+            datum.normals.map(|normals| normals.widen(self.half + case.angle_tolerance).turn(-self.mid));
+        let site = site.restrict_hull(allowed)?;
+        // Seen from the vertex, the true centre of the tip lies within `spread` of the middle's place.
+        let offset = self.y_mid() + DVec2::from_angle(-self.mid).rotate(datum.lever) - middle;
+        let spread = self.motion(datum.lever.length()) + datum.bound + case.outward();
+        let sector = (spread < offset.length()).then(|| {
+            Arc::around(offset.to_angle(), (spread / offset.length()).asin() + case.angle_tolerance)
+        });
+        let site = site.restrict_hull(sector)?;
+        // The hollow of the arc, which its convex hull fills.
+        let x = middle + offset;
+        (site.nearest(x).distance(x) <= spread).then_some(site)
+    }
+
+    /// Cuts with the tangent of contact `i`'s site, grown by its bound, that has the outward normal `direction`.
+    pub fn cut(&mut self, case: &Case, contact: usize, site: &Site, direction: DVec2) {
+        let datum = &case.data[contact];
+        let arm = DVec2::from_angle(-self.mid).rotate(datum.lever);
+        let (middle, spread) = self.cosine();
+        let along = direction.dot(arm);
+        let normal = [-direction.dot(arm.perp()), direction.x, direction.y];
+        let offset =
+            site.support(direction) + datum.bound - middle * along + spread * along.abs() + case.outward();
+        self.polytope.cut(&HalfSpace { normal, offset }, case.scale);
+    }
+
+    /// Cuts with the box of translations. The condition is bilinear in (s, y): its product of deviations from the
+    /// middle of the box is bounded, the rest is linear.
+    fn cut_prior(&mut self, case: &Case) {
+        let Some(prior) = case.prior else { return };
+        let turn = DVec2::from_angle(-self.mid);
+        let (middle, spread) = self.cosine();
+        let half = self.y_half();
+        for axis in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y] {
+            // axis·T ≤ axis·T₀ + a with T = pivot − R(θ)y.
+            let bound = axis.dot(prior.world_from_model.translation - case.pivot) + prior.translation;
+            let inner = turn.rotate(axis);
+            let across = inner.perp();
+            let largest = inner.dot(self.y_mid()).abs() + inner.abs().dot(half);
+            let slack = spread * largest + self.half.sin() * across.abs().dot(half) + case.outward();
+            let normal = [across.dot(self.y_mid()), -middle * inner.x, -middle * inner.y];
+            self.polytope.cut(&HalfSpace { normal, offset: bound + slack }, case.scale);
+        }
+    }
+
+    /// `cos d` for |d| ≤ half: its middle μ, and how far it may be from it, ρ.
+    fn cosine(&self) -> (f64, f64) {
+        let cosine = self.half.cos();
+        (0.5 * (1.0 + cosine), 0.5 * (1.0 - cosine))
+    }
+
+    /// By how much the linear conditions may be loose: a length.
+    pub fn looseness(&self, reach: f64) -> f64 {
+        2.0 * self.cosine().1 * reach
+    }
+
+    /// Cuts each site at the corners that stick out over it by more than `share` of its bound.
+    pub fn trim(&mut self, conditions: &Conditions<'_>, share: f64) -> bool {
+        let (middle, _) = self.cosine();
+        for (contact, site) in &conditions.sites {
+            let Some(site) = self.restrict(conditions.case, *contact, site) else { return false };
+            let datum = &conditions.case.data[*contact];
+            let arm = DVec2::from_angle(-self.mid).rotate(datum.lever);
+            let mut directions = ArrayVec::<DVec2, 128>::new();
+            for (s, y) in self.corners() {
+                let x = y + middle * arm - s * arm.perp();
+                let outside = x - site.nearest(x);
+                if outside.length() > (1.0 + share) * datum.bound
+                    && let Some(direction) = outside.try_normalize()
+                {
+                    directions.push(direction);
+                }
+            }
+            for direction in directions {
+                self.cut(conditions.case, *contact, &site, direction);
+            }
+        }
+        self.shrink_to_polytope(conditions.case)
+    }
+
+    /// Cuts at a pose of the cell with the site that it misses most; `false` if nothing is left.
+    pub fn cut_at(&mut self, conditions: &Conditions<'_>, pose: PivotPose) -> bool {
+        let case = conditions.case;
+        let mut worst: Option<(f64, usize, Site, DVec2)> = None;
+        for (contact, site) in &conditions.sites {
+            let Some(site) = self.restrict(case, *contact, site) else { return false };
+            let x = case.place(*contact, pose);
+            let outside = x - site.nearest(x);
+            let excess = outside.length() - case.data[*contact].bound;
+            if worst.as_ref().is_none_or(|(most, ..)| excess > *most) {
+                worst = Some((excess, *contact, site, outside));
+            }
+        }
+        if let Some((_, contact, site, outside)) = worst
+            && let Some(direction) = outside.try_normalize()
+        {
+            self.cut(case, contact, &site, direction);
+        }
+        self.shrink_to_polytope(case)
+    }
+
+    /// Shrinks interval and box to the polytope, outward; `false` if it is empty.
+    fn shrink_to_polytope(&mut self, case: &Case) -> bool {
+        if self.polytope.is_empty() {
+            return false;
+        }
+        let (low, high) = self.polytope.bounds();
+        let outward = case.outward();
+        self.y_low = self.y_low.max(dvec2(low[1], low[2]) - outward);
+        self.y_high = self.y_high.min(dvec2(high[1], high[2]) + outward);
+        true
+    }
+
+    /// The interval of rotations that the polytope leaves, radians.
+    pub fn rotations(&self) -> Arc {
+        if self.polytope.is_empty() {
+            return Arc::around(self.mid, self.half);
+        }
+        let (low, high) = self.polytope.bounds();
+        let [from, to] = [low[0], high[0]].map(|s| s.clamp(-1.0, 1.0).asin());
+        let (from, to) = (from.max(-self.half), to.min(self.half));
+        Arc { start: self.mid + from, width: (to - from).max(0.0) }
+    }
+
+    /// The cell cut in two across its rotations, which shrink to what is left first.
+    pub fn split_rotations(&self) -> [Self; 2] {
+        let left = self.rotations();
+        let quarter = 0.25 * left.width;
+        [-quarter, quarter].map(|offset| Self {
+            mid: left.middle() + offset,
+            half: quarter + f64::EPSILON * std::f64::consts::TAU,
+            polytope: Polytope::default(),
+            ..*self
+        })
+    }
+
+    /// The cell cut in two across the longer side of its box.
+    pub fn split_box(&self) -> [Self; 2] {
+        let middle = self.y_mid();
+        let wide = self.y_half().x >= self.y_half().y;
+        let cut = |low: DVec2, high: DVec2| {
+            let left = self.rotations();
+            Self {
+                mid: left.middle(),
+                half: left.half_width() + f64::EPSILON * std::f64::consts::TAU,
+                y_low: low,
+                y_high: high,
+                polytope: Polytope::default(),
+            }
+        };
+        if wide {
+            [cut(self.y_low, dvec2(middle.x, self.y_high.y)), cut(dvec2(middle.x, self.y_low.y), self.y_high)]
+        } else {
+            [cut(self.y_low, dvec2(self.y_high.x, middle.y)), cut(dvec2(self.y_low.x, middle.y), self.y_high)]
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! Everything that knows SE(2).
+
+mod arc;
+mod case;
+mod cell;
+mod crossing;
+mod free;
+mod hypotheses;
+mod model;
+mod outline;
+mod polytope;
+mod pose;
+mod pose_set;
+mod region;
+mod segments;
+mod site;
+mod solve;
+mod subdivide;
+mod symmetry;
+mod tables;
+
+pub use arc::Arc;
+pub use model::{Face, Mend, Model, Surface, Symmetry, Vertex};
+pub use pose::Pose;
+pub use pose_set::PoseSet;
+
+pub(crate) use case::Case;
+pub(crate) use hypotheses::{Explanations, explain};

@@ -1,0 +1,379 @@
+//! All poses of an answer: a guaranteed enclosure in cells, and witnesses inside.
+
+use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
+use std::sync::{Arc as Shared, OnceLock};
+
+use glam::DVec2;
+
+use super::arc::{Arc, wrap};
+use super::case::{Case, PivotPose};
+use super::cell::{Cell, Conditions};
+use super::pose::Pose;
+use super::region::{self, DIRECTIONS};
+use super::solve::{self, Witness};
+use crate::feature::Feature;
+use crate::hypothesis::Count;
+
+/// Assignments are counted one by one up to this number.
+const MOST_COUNTED: usize = 10_000;
+
+/// The largest slack is found to this share of the bounds.
+const SHARE_STEP: f64 = 1e-3;
+
+/// Poses in which each contact lies on one of a few features.
+#[derive(Debug, Clone)]
+pub(crate) struct Piece {
+    /// For each contact, in increasing order. One each: an interpretation.
+    pub features: Vec<Vec<Feature>>,
+    /// These hold every pose of the piece.
+    pub cells: Vec<Cell>,
+    /// One pose of the piece; `None`: no more than an enclosure, beside pieces that have one.
+    pub witness: Option<Witness>,
+    /// Poses outside the cells belong to other pieces.
+    pub bounded: bool,
+}
+
+impl Piece {
+    /// Whether the pose satisfies every contact on features of the piece, bounds enlarged by `length` and `angle`.
+    pub fn satisfied(&self, case: &Case, pose: PivotPose, length: f64, angle: f64) -> bool {
+        let explained = |(contact, features): (usize, &Vec<Feature>)| {
+            features.iter().any(|feature| explains(case, contact, *feature, pose, length, angle))
+        };
+        let inside = || self.cells.iter().any(|cell| cell.holds(pose, length, angle));
+        (!self.bounded || inside())
+            && self.features.iter().enumerate().all(explained)
+            && case.allows(pose, length)
+    }
+}
+
+/// Whether contact `i` on `feature` is satisfied at `pose`, bounds enlarged by `length` and `angle`.
+pub(crate) fn explains(
+    case: &Case,
+    contact: usize,
+    feature: Feature,
+    pose: PivotPose,
+    length: f64,
+    angle: f64,
+) -> bool {
+    case.site(contact, feature).is_some_and(|site| case.excess(contact, &site, pose, angle) <= length)
+}
+
+/// All poses of an interpretation or of a hypothesis (DESIGN §1), `world_from_model`.
+///
+/// Lengths in the model's unit, angles in radians.
+#[derive(Debug, Clone)]
+pub struct PoseSet {
+    case: Shared<Case>,
+    pieces: Shared<Vec<Piece>>,
+    symmetric: bool,
+    best: Shared<OnceLock<Pose>>,
+}
+
+impl PoseSet {
+    /// `symmetric`: a pose counts as contained if a symmetry of the model takes it there.
+    pub(crate) fn new(case: Shared<Case>, pieces: Vec<Piece>, symmetric: bool) -> Self {
+        Self { case, pieces: Shared::new(pieces), symmetric, best: Shared::default() }
+    }
+
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    pub(crate) fn case(&self) -> &Shared<Case> {
+        &self.case
+    }
+
+    fn cells(&self) -> impl Iterator<Item = &Cell> {
+        self.pieces.iter().flat_map(|piece| &piece.cells)
+    }
+
+    fn witnesses(&self) -> impl Iterator<Item = Witness> + '_ {
+        self.pieces.iter().filter_map(|piece| piece.witness)
+    }
+
+    /// Whether `world_from_model` explains every contact, up to τ: the exact predicate. For a hypothesis, up to the
+    /// model's symmetry.
+    #[must_use]
+    pub fn contains(&self, world_from_model: Pose) -> bool {
+        let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
+        let symmetries = &self.case.model.symmetries;
+        let num_tried = if self.symmetric { symmetries.len() } else { 1 };
+        symmetries[..num_tried].iter().any(|symmetry| {
+            let pose = self.case.pivot_pose(world_from_model.compose(symmetry.motion));
+            self.pieces.iter().any(|piece| piece.satisfied(&self.case, pose, length, angle))
+        })
+    }
+
+    /// A pose of the set: the proof that it is not empty.
+    ///
+    /// # Panics
+    /// Never: a pose set without a witness is not made.
+    #[must_use]
+    pub fn witness(&self) -> Pose {
+        let mut witnesses = self.witnesses();
+        let witness = witnesses.next().expect("a pose set has a witness");
+        let proven = std::iter::once(witness).chain(witnesses).find(|witness| !witness.marginal);
+        self.case.pose(proven.unwrap_or(witness).pose)
+    }
+
+    /// Whether every witness needs the tolerance τ.
+    #[must_use]
+    pub fn marginal(&self) -> bool {
+        self.witnesses().all(|witness| witness.marginal)
+    }
+
+    /// The pose at which the worst reading uses the smallest share of its bounds, to 1/1000.
+    #[must_use]
+    pub fn largest_slack(&self) -> Pose {
+        *self.best.get_or_init(|| {
+            let mut best = (1.0, self.witness());
+            for piece in self.pieces.iter().filter(|piece| piece.witness.is_some()) {
+                self.improve(piece, &mut best);
+            }
+            best.1
+        })
+    }
+
+    /// Bisects the share of the bounds at which the piece still has a pose.
+    fn improve(&self, piece: &Piece, best: &mut (f64, Pose)) {
+        let pairs = || piece.features.iter().enumerate().map(|(contact, features)| (contact, features[0]));
+        let find = |share: f64| {
+            let scaled = self.case.scaled(share);
+            solve::witness(&Conditions::new(&scaled, pairs())?).map(|witness| self.case.pose(witness.pose))
+        };
+        // A piece that can't beat the best is left at the first step.
+        let first = best.0 - SHARE_STEP;
+        let Some(pose) = (first >= 0.0).then(|| find(first)).flatten() else { return };
+        *best = (first, pose);
+        let mut low = 0.0;
+        while best.0 - low > SHARE_STEP {
+            let share = 0.5 * (low + best.0);
+            match find(share) {
+                Some(pose) => *best = (share, pose),
+                None => low = share,
+            }
+        }
+    }
+
+    /// `n` valid poses, spread over the set; the same for the same seed.
+    #[must_use]
+    pub fn sample(&self, n: usize, seed: u64) -> Vec<Pose> {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let cells: Vec<(&Piece, &Cell)> = self
+            .pieces
+            .iter()
+            .filter(|piece| piece.witness.is_some())
+            .flat_map(|piece| piece.cells.iter().map(move |cell| (piece, cell)))
+            .collect();
+        let mut total = 0.0;
+        let cumulated: Vec<f64> = cells
+            .iter()
+            .map(|(_, cell)| {
+                let half = cell.y_half() + self.case.length_tolerance;
+                total += (cell.rotations().width + self.case.angle_tolerance) * half.x * half.y;
+                total
+            })
+            .collect();
+        let draw = |_| {
+            let at = random.f64() * total;
+            let chosen = cumulated.partition_point(|sum| *sum < at).min(cells.len().saturating_sub(1));
+            let pose = cells.get(chosen).map(|(piece, cell)| self.draw(piece, cell, &mut random));
+            pose.map_or_else(|| self.witness(), |pose| self.case.pose(pose))
+        };
+        (0..n).map(draw).collect()
+    }
+
+    /// A valid pose of the piece, near a random point of the cell.
+    ///
+    /// Random weights on the corners reach all of the cell; if the point is not valid it is drawn toward the witness,
+    /// which is.
+    fn draw(&self, piece: &Piece, cell: &Cell, random: &mut fastrand::Rng) -> PivotPose {
+        let witness =
+            piece.witness.map_or(PivotPose { angle: cell.mid, y: cell.y_mid() }, |found| found.pose);
+        let valid = |pose: PivotPose| {
+            piece.satisfied(&self.case, pose, self.case.length_tolerance, self.case.angle_tolerance)
+        };
+        let mut pose = witness;
+        for _ in 0..24 {
+            pose = random_pose(cell, random);
+            if valid(pose) {
+                return pose;
+            }
+        }
+        for _ in 0..40 {
+            pose = PivotPose {
+                angle: witness.angle + 0.7 * wrap(pose.angle - witness.angle),
+                y: witness.y + 0.7 * (pose.y - witness.y),
+            };
+            if valid(pose) {
+                return pose;
+            }
+        }
+        witness
+    }
+
+    /// The poses of one of its assignments, alone.
+    pub(crate) fn of_assignment(&self, assignment: &[Feature]) -> Self {
+        let single = |piece: &&Piece| {
+            piece.features.iter().zip(assignment).all(|(features, feature)| features.as_slice() == [*feature])
+        };
+        let piece = match self.pieces.iter().find(single) {
+            Some(piece) => piece.clone(),
+            None => self.decide(assignment),
+        };
+        Self::new(Shared::clone(&self.case), vec![piece], false)
+    }
+
+    /// The piece of one assignment that shares poses with others; a pose of it is known, so that there is one.
+    fn decide(&self, assignment: &[Feature]) -> Piece {
+        let conditions = Conditions::new(&self.case, assignment.iter().copied().enumerate());
+        let solution = conditions.as_ref().and_then(solve::solve);
+        Piece {
+            features: assignment.iter().map(|feature| vec![*feature]).collect(),
+            cells: solution.as_ref().map(|found| found.cells.clone()).unwrap_or_default(),
+            witness: solution.map(|found| found.witness),
+            bounded: false,
+        }
+    }
+
+    /// The features that explain each contact at the witness of a piece: every choice among them is valid.
+    fn explanations(&self, piece: &Piece) -> Option<Vec<Vec<Feature>>> {
+        let witness = piece.witness?;
+        let (length, angle) = (self.case.length_tolerance, self.case.angle_tolerance);
+        let explaining = |(contact, features): (usize, &Vec<Feature>)| {
+            let valid =
+                |feature: &&Feature| explains(&self.case, contact, **feature, witness.pose, length, angle);
+            features.iter().filter(valid).copied().collect()
+        };
+        Some(piece.features.iter().enumerate().map(explaining).collect())
+    }
+
+    /// Its assignments one by one, each once, found as they are asked for: every choice among the features that explain
+    /// the contacts at a witness. One of each that the model's symmetries repeat.
+    pub(crate) fn assignments(&self) -> impl Iterator<Item = Vec<Feature>> + '_ {
+        let mut listed = BTreeSet::new();
+        let single = self.case.prior.is_some();
+        self.pieces
+            .iter()
+            .filter_map(|piece| self.explanations(piece))
+            .flat_map(choices)
+            .map(move |choice| if single { choice } else { self.case.model.representative(choice) })
+            .filter(move |choice| listed.insert(choice.clone()))
+    }
+
+    /// Counted one by one up to a limit; beyond, at least the largest product. Where many assignments share poses,
+    /// one that holds at no witness is not counted.
+    pub(crate) fn assignment_count(&self) -> Count {
+        let singles =
+            self.pieces.iter().all(|piece| piece.features.iter().all(|features| features.len() == 1));
+        let counted = self.assignments().take(MOST_COUNTED).count();
+        if counted < MOST_COUNTED {
+            return Count { at_least: counted as u64, exact: singles };
+        }
+        let products = self.pieces.iter().filter_map(|piece| self.explanations(piece));
+        let sizes = products.map(|product| {
+            product.iter().fold(1_u64, |size, features| size.saturating_mul(features.len() as u64))
+        });
+        Count { at_least: sizes.fold(counted as u64, u64::max), exact: false }
+    }
+
+    /// No two poses of the set differ by more, radians, at most π.
+    #[must_use]
+    pub fn rotation_bound(&self) -> f64 {
+        let mut arcs: Vec<Arc> = self.cells().map(Cell::rotations).collect();
+        arcs.sort_by(|a, b| wrap(a.start).total_cmp(&wrap(b.start)));
+        let arcs = merge(arcs);
+        let mut largest: f64 = 0.0;
+        for (k, a) in arcs.iter().enumerate() {
+            largest = largest.max(a.width);
+            for b in &arcs[k + 1..] {
+                // The farthest two members of two arcs: ends, or a pair half a turn apart.
+                let apart = wrap(b.middle() - a.middle()).abs() + a.half_width() + b.half_width();
+                largest = largest.max(apart);
+            }
+        }
+        (largest + 4.0 * f64::EPSILON * TAU).min(PI)
+    }
+
+    /// No two poses of the set move the model point further apart.
+    #[must_use]
+    pub fn excursion(&self, point_model: DVec2) -> f64 {
+        let supports = self.supports(point_model);
+        let half = DIRECTIONS / 2;
+        let widest = (0..half).map(|k| supports[k] + supports[k + half]).fold(0.0, f64::max);
+        // The direction of the true diameter is within half a step of one that was tried.
+        widest.max(0.0) / (PI / DIRECTIONS as f64).cos()
+    }
+
+    /// A convex polygon, counter-clockwise, that holds every place of the model point, world frame.
+    #[must_use]
+    pub fn outline(&self, point_model: DVec2) -> Vec<DVec2> {
+        let mut outline = region::polygon(&self.supports(point_model));
+        for corner in &mut outline {
+            *corner += self.case.pivot;
+        }
+        outline
+    }
+
+    /// The largest `v·p`, from the pivot, of the point over all poses, for each of the directions.
+    fn supports(&self, point_model: DVec2) -> [f64; DIRECTIONS] {
+        let mut supports = [f64::NEG_INFINITY; DIRECTIONS];
+        for cell in self.cells() {
+            region::grow(&mut supports, cell, point_model, self.case.outward());
+        }
+        supports
+    }
+}
+
+/// Every choice of one member of each set, the last set varying fastest.
+fn choices(sets: Vec<Vec<Feature>>) -> impl Iterator<Item = Vec<Feature>> {
+    let mut at = (!sets.iter().any(Vec::is_empty)).then(|| vec![0; sets.len()]);
+    std::iter::from_fn(move || {
+        let choice = at.as_ref()?.iter().zip(&sets).map(|(k, set)| set[*k]).collect();
+        let places = at.as_mut()?;
+        let advanced = (0..sets.len()).rev().any(|slot| {
+            places[slot] = (places[slot] + 1) % sets[slot].len();
+            places[slot] != 0
+        });
+        if !advanced {
+            at = None;
+        }
+        Some(choice)
+    })
+}
+
+/// Joins arcs that overlap; `arcs` are in order of their starts.
+fn merge(arcs: Vec<Arc>) -> Vec<Arc> {
+    let mut merged: Vec<Arc> = Vec::new();
+    for arc in arcs {
+        if let Some(last) = merged.last_mut() {
+            let offset = (arc.start - last.start).rem_euclid(TAU);
+            if offset <= last.width {
+                last.width = last.width.max(offset + arc.width).min(TAU);
+                continue;
+            }
+        }
+        merged.push(arc);
+    }
+    merged
+}
+
+fn random_pose(cell: &Cell, random: &mut fastrand::Rng) -> PivotPose {
+    let corners = cell.corners();
+    if corners.len() == 0 {
+        let mut side = || 2.0 * random.f64() - 1.0;
+        let angle = cell.mid + cell.half * side();
+        let y = cell.y_mid() + cell.y_half() * DVec2::new(side(), side());
+        return PivotPose { angle, y };
+    }
+    let mut total = 0.0;
+    let (mut s, mut y) = (0.0, DVec2::ZERO);
+    for (corner_s, corner_y) in corners {
+        let weight = -(1.0 - random.f64()).ln();
+        total += weight;
+        s += weight * corner_s;
+        y += weight * corner_y;
+    }
+    cell.pose(s / total, y / total)
+}

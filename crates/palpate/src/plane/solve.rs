@@ -1,0 +1,190 @@
+//! Algorithm R2 (MATH 2.1.1), second order: is there a pose that satisfies the conditions, and where are all of them?
+//!
+//! Cells of pose space are contracted; an empty one is a certificate that no pose lies there. A pose that satisfies
+//! the conditions exactly, or within τ, is a witness. What is neither is divided.
+
+use std::collections::VecDeque;
+
+use super::arc::Arc;
+use super::case::PivotPose;
+use super::cell::{Cell, Conditions};
+
+/// Rotations are first divided into cells of at most this half width, radians.
+const FIRST_HALF: f64 = 0.08;
+
+/// Cuts at the candidate before a cell is divided.
+const NUM_CUTS: usize = 6;
+
+/// The looseness that an enclosure may have, as a share of the size of what it encloses.
+const RESOLUTION: f64 = 0.01;
+
+/// A pose that satisfies the conditions.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Witness {
+    pub pose: PivotPose,
+    /// It does so only with bounds enlarged by τ.
+    pub marginal: bool,
+}
+
+/// Cells that hold every pose that satisfies the conditions, and one such pose.
+#[derive(Debug, Clone)]
+pub(crate) struct Solution {
+    pub cells: Vec<Cell>,
+    pub witness: Witness,
+}
+
+/// A witness, or the certificate that there is none.
+pub(crate) fn witness(conditions: &Conditions<'_>) -> Option<Witness> {
+    search(conditions, first_cells(conditions))
+}
+
+/// All poses.
+pub(crate) fn solve(conditions: &Conditions<'_>) -> Option<Solution> {
+    let cells = first_cells(conditions);
+    let witness = search(conditions, cells.clone())?;
+    Some(Solution { cells: enclose(conditions, cells), witness })
+}
+
+/// The rotations that are left, in cells, contracted.
+fn first_cells(conditions: &Conditions<'_>) -> Vec<Cell> {
+    let pieces = conditions.rotations.iter().flat_map(|arc| divide(*arc, FIRST_HALF));
+    pieces.filter_map(|cell| contracted(conditions, cell)).collect()
+}
+
+fn contracted(conditions: &Conditions<'_>, mut cell: Cell) -> Option<Cell> {
+    cell.contract(conditions).then_some(cell)
+}
+
+fn divide(arc: Arc, largest_half: f64) -> impl Iterator<Item = Cell> {
+    let pieces = (arc.half_width() / largest_half).ceil().max(1.0);
+    let half = arc.half_width() / pieces;
+    let outward = f64::EPSILON * std::f64::consts::TAU;
+    (0..pieces as usize).map(move |k| Cell::whole(arc.start + (2 * k + 1) as f64 * half, half + outward))
+}
+
+/// Breadth first, so that a wide set is found before a narrow one is divided.
+fn search(conditions: &Conditions<'_>, cells: Vec<Cell>) -> Option<Witness> {
+    let case = conditions.case;
+    let reach = conditions.reach();
+    let finest = 0.25 * case.length_tolerance;
+    let mut fallback = None;
+    let mut queue = VecDeque::from(cells);
+    let mut examined = 0_u32;
+    while let Some(mut cell) = queue.pop_front() {
+        if excluded(conditions, &cell) {
+            continue;
+        }
+        let fine =
+            if conditions.convex() { cell.looseness(reach) <= finest } else { cell.motion(reach) <= finest };
+        let num_cuts = if fine { 50 * NUM_CUTS } else { NUM_CUTS };
+        let mut left = true;
+        for _ in 0..num_cuts {
+            let pose = cell.candidate();
+            if conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
+                return Some(Witness { pose, marginal: false });
+            }
+            if fallback.is_none() && conditions.satisfied(pose, case.length_tolerance, case.angle_tolerance) {
+                fallback = Some(Witness { pose, marginal: true });
+            }
+            left = cell.cut_at(conditions, pose);
+            if !left {
+                break;
+            }
+        }
+        examined += 1;
+        if left && fine && fallback.is_none() {
+            // Neither a witness nor a certificate at the finest: kept, so that nothing true is lost.
+            fallback = Some(Witness { pose: cell.candidate(), marginal: true });
+        }
+        if !left || fine || (fallback.is_some() && examined > 64) {
+            continue;
+        }
+        queue.extend(
+            split(conditions, &cell, reach).into_iter().filter_map(|part| contracted(conditions, part)),
+        );
+    }
+    fallback
+}
+
+/// Across rotations, unless the box is what is large and dividing it helps.
+fn split(conditions: &Conditions<'_>, cell: &Cell, reach: f64) -> [Cell; 2] {
+    let turning = cell.rotations().half_width() * reach;
+    if conditions.convex() || turning > cell.y_half().max_element() {
+        cell.split_rotations()
+    } else {
+        cell.split_box()
+    }
+}
+
+/// Whether free space excludes every pose of the cell.
+fn excluded(conditions: &Conditions<'_>, cell: &Cell) -> bool {
+    conditions.case.sweeps.iter().any(|sweep| {
+        let motion = cell.motion(sweep.reach());
+        let middle = PivotPose { angle: cell.mid, y: cell.y_mid() };
+        motion.is_finite() && sweep.intrudes(&conditions.case.model, middle, -motion)
+    })
+}
+
+/// Whether free space allows every pose of the cell.
+fn all_free(conditions: &Conditions<'_>, cell: &Cell) -> bool {
+    conditions.case.sweeps.iter().all(|sweep| {
+        let motion = cell.motion(sweep.reach());
+        let middle = PivotPose { angle: cell.mid, y: cell.y_mid() };
+        sweep.free(&conditions.case.model, middle, -motion)
+    })
+}
+
+/// Divides cells until their looseness is a small share of the set's size, twice: the set shrinks as they do.
+fn enclose(conditions: &Conditions<'_>, mut cells: Vec<Cell>) -> Vec<Cell> {
+    let reach = conditions.reach();
+    for _ in 0..2 {
+        let Some(span) = span(&cells) else { break };
+        let bound = conditions.sites.iter().map(|(contact, _)| conditions.case.data[*contact].bound);
+        let size = 2.0 * bound.fold(f64::INFINITY, f64::min) + span * 0.5 * conditions.case.model.size;
+        let finest = (RESOLUTION * size).max(conditions.case.length_tolerance);
+        // looseness = h²·reach / 2
+        let half = (2.0 * finest / reach.max(finest)).sqrt().min(FIRST_HALF);
+        let pieces = cells.iter().flat_map(|cell| {
+            let left = cell.rotations();
+            let (low, high) = (cell.y_low, cell.y_high);
+            divide(left, half).map(move |part| part.within(low, high))
+        });
+        cells = pieces
+            .filter_map(|part| contracted(conditions, part))
+            .filter_map(|mut cell| cell.trim(conditions, 0.02).then_some(cell))
+            .collect();
+    }
+    if conditions.case.sweeps.is_empty() { cells } else { carve(conditions, cells) }
+}
+
+/// The width of all rotations that the cells leave, at most.
+fn span(cells: &[Cell]) -> Option<f64> {
+    let widths: f64 = cells.iter().map(|cell| cell.rotations().width).sum();
+    (!cells.is_empty()).then_some(widths)
+}
+
+/// Cells that free space neither excludes nor allows whole are divided this often, at most.
+const NUM_CARVED: usize = 256;
+
+/// Takes out what free space excludes.
+fn carve(conditions: &Conditions<'_>, cells: Vec<Cell>) -> Vec<Cell> {
+    let reach = conditions.reach();
+    let bound = conditions.sites.iter().map(|(contact, _)| conditions.case.data[*contact].bound);
+    let finest = (0.125 * bound.fold(f64::INFINITY, f64::min)).max(conditions.case.length_tolerance);
+    let mut queue = VecDeque::from(cells);
+    let mut kept = Vec::new();
+    let mut num_divided = 0;
+    while let Some(cell) = queue.pop_front() {
+        if excluded(conditions, &cell) {
+            continue;
+        }
+        if cell.motion(reach) <= finest || num_divided >= NUM_CARVED || all_free(conditions, &cell) {
+            kept.push(cell);
+            continue;
+        }
+        num_divided += 1;
+        let halves = split(conditions, &cell, reach);
+        queue.extend(halves.into_iter().filter_map(|part| contracted(conditions, part)));
+    }
+    kept
+}

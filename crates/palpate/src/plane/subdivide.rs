@@ -1,0 +1,203 @@
+//! Pose cells that keep, for each contact, the set of features it may lie on (DESIGN §2).
+//!
+//! Where assignments explode (finely faceted parts, contacts without normals) the tree of assignments is not walked.
+//! Boxes of poses are divided instead, each with the features that every contact may lie on somewhere in the box,
+//! until few assignments are left in the box, or until it is small against the sensor's bounds.
+
+use super::arc::Arc;
+use super::case::{Case, PivotPose};
+use super::cell::Cell;
+use super::pose_set::explains;
+use super::site::Site;
+use super::solve::Witness;
+use crate::feature::Feature;
+
+/// A box is left as assignments when there are at most so many.
+const FEW: usize = 4;
+
+/// A box is small when nothing in it moves by more than this share of the smallest bound.
+const SMALL: f64 = 0.25;
+
+/// Boxes examined at most.
+const MOST_BOXES: u64 = 4_000_000;
+
+/// A box of poses and the features that each contact may lie on in it.
+#[derive(Debug, Clone)]
+pub(crate) struct Bundle {
+    pub cell: Cell,
+    /// For each contact, in increasing order.
+    pub features: Vec<Vec<Feature>>,
+    pub witness: Option<Witness>,
+}
+
+/// What the division left.
+#[derive(Debug, Default)]
+pub(crate) struct Subdivision {
+    /// Boxes with few assignments.
+    pub sparse: Vec<Bundle>,
+    /// Small boxes with many.
+    pub dense: Vec<Bundle>,
+    /// Boxes examined.
+    pub examined: u64,
+    /// Every pose is in a box that is left.
+    pub complete: bool,
+}
+
+/// For each contact the features it may lie on in a box, with their sites.
+type Options = Vec<Vec<(Feature, Site)>>;
+
+/// Divides the poses with rotations in `rotations`; `features` are those that can be touched, in order.
+pub(crate) fn subdivide(case: &Case, features: &[Feature], rotations: Arc) -> Subdivision {
+    let all = vec![features.to_vec(); case.data.len()];
+    let bound = case.data.iter().map(|datum| datum.bound).fold(f64::INFINITY, f64::min);
+    divide(case, root(case, rotations), &all, (SMALL * bound).max(0.25 * case.length_tolerance))
+}
+
+/// Divides `cell`, in which contact `i` may lie on `features[i]`, into boxes with few assignments and boxes in which
+/// nothing moves by more than `small`.
+pub(crate) fn divide(case: &Case, cell: Cell, features: &[Vec<Feature>], small: f64) -> Subdivision {
+    let site = |contact, feature: &Feature| Some((*feature, case.site(contact, *feature)?));
+    let options: Options = features
+        .iter()
+        .enumerate()
+        .map(|(contact, features)| features.iter().filter_map(|feature| site(contact, feature)).collect())
+        .collect();
+    let reach = case.data.iter().map(|datum| datum.lever.length()).fold(0.0, f64::max);
+    let mut left = Subdivision { complete: true, ..Subdivision::default() };
+    let mut stack = vec![(cell, options)];
+    while let Some((cell, options)) = stack.pop() {
+        left.examined += 1;
+        if left.examined > MOST_BOXES {
+            left.complete = false;
+            break;
+        }
+        let Some(options) = restrict(case, &cell, &options) else { continue };
+        let assignments = options.iter().map(Vec::len).fold(1_usize, usize::saturating_mul);
+        if assignments <= FEW {
+            left.sparse.push(Bundle::new(cell, &options));
+        } else if cell.motion(reach) <= small {
+            let mut bundle = Bundle::new(cell, &options);
+            bundle.witness = bundle.find_witness(case);
+            left.dense.push(bundle);
+        } else {
+            let across_rotations = cell.half * reach > cell.y_half().max_element();
+            let halves = if across_rotations { cell.split_rotations() } else { cell.split_box() };
+            stack.extend(halves.map(|half| (half, options.clone())));
+        }
+    }
+    left
+}
+
+/// All pivot points at which any contact can be near the model.
+fn root(case: &Case, rotations: Arc) -> Cell {
+    let mut cell = Cell::whole(rotations.middle(), rotations.half_width());
+    let datum = &case.data[0];
+    let reach = datum.lever.length() + datum.bound + datum.radius + case.length_tolerance;
+    let points = case.model.faces.iter().flat_map(|face| [face.start, face.end]);
+    let (low, high) = points.fold((cell.y_high, cell.y_low), |(low, high), at| (low.min(at), high.max(at)));
+    cell.y_low = low - reach;
+    cell.y_high = high + reach;
+    cell
+}
+
+/// The features that are left for each contact in the cell, or nothing if one has none, or if the prior or free
+/// space excludes all of the cell.
+fn restrict(case: &Case, cell: &Cell, options: &Options) -> Option<Options> {
+    let middle = PivotPose { angle: cell.mid, y: cell.y_mid() };
+    let left: Option<Options> = options
+        .iter()
+        .enumerate()
+        .map(|(contact, sites)| {
+            let x = case.place(contact, middle);
+            let datum = &case.data[contact];
+            let near = datum.bound + cell.motion(datum.lever.length()) + 0.5 * case.length_tolerance;
+            let possible = |site: &Site| {
+                case.rotations(contact, site, case.angle_tolerance).distance(cell.mid) <= cell.half
+                    && site.nearest(x).distance(x) <= near
+            };
+            let left: Vec<_> = sites.iter().filter(|(_, site)| possible(site)).copied().collect();
+            (!left.is_empty()).then_some(left)
+        })
+        .collect();
+    // A pose moves the model's origin by no more than a lever of that length.
+    let prior = case.prior_excess(middle);
+    let moved = cell.motion(cell.y_low.abs().max(cell.y_high.abs()).length());
+    let turned = cell.half * case.model.size;
+    let allowed = prior <= moved + turned + case.length_tolerance;
+    let free = || {
+        case.sweeps
+            .iter()
+            .all(|sweep| sweep.free(&case.model, middle, cell.motion(sweep.reach()) + case.length_tolerance))
+    };
+    left.filter(|_| allowed && free())
+}
+
+impl Bundle {
+    fn new(cell: Cell, options: &Options) -> Self {
+        let features = options.iter().map(|sites| sites.iter().map(|(feature, _)| *feature).collect());
+        Self { cell, features: features.collect(), witness: None }
+    }
+
+    /// With its middle as the witness: nothing in it moves by as much as τ, so the middle is valid up to τ.
+    pub fn settled(mut self) -> Self {
+        let pose = PivotPose { angle: self.cell.mid, y: self.cell.y_mid() };
+        self.witness = Some(Witness { pose, marginal: true });
+        self
+    }
+
+    /// Looks for a valid pose at the middle of the box and half way to its corners.
+    fn find_witness(&self, case: &Case) -> Option<Witness> {
+        let (middle, half) = (self.cell.y_mid(), self.cell.y_half());
+        let offsets = (0..9).map(|k| {
+            let sign = |bit: usize| {
+                if k == 8 {
+                    0.0
+                } else if (k >> bit) & 1 == 0 {
+                    -0.5
+                } else {
+                    0.5
+                }
+            };
+            [sign(0), sign(1), sign(2)]
+        });
+        offsets
+            .rev()
+            .map(|[turn, x, y]| PivotPose {
+                angle: self.cell.mid + turn * self.cell.half,
+                y: middle + half * glam::dvec2(x, y),
+            })
+            .find(|pose| self.valid(case, *pose))
+            .map(|pose| Witness { pose, marginal: false })
+    }
+
+    fn valid(&self, case: &Case, pose: PivotPose) -> bool {
+        let (length, angle) = (case.rounding(), case.rounding() / case.scale);
+        let explained = |(contact, features): (usize, &Vec<Feature>)| {
+            features.iter().any(|feature| explains(case, contact, *feature, pose, length, angle))
+        };
+        self.features.iter().enumerate().all(explained) && case.allows(pose, length)
+    }
+
+    /// Every assignment of the box, at most `most`.
+    pub fn assignments(&self, most: usize) -> Vec<Vec<Feature>> {
+        let mut assignments = vec![Vec::new()];
+        for features in &self.features {
+            assignments = assignments
+                .iter()
+                .flat_map(|start| {
+                    features.iter().map(move |feature| [start.as_slice(), &[*feature]].concat())
+                })
+                .take(most)
+                .collect();
+        }
+        assignments
+    }
+
+    /// Whether the two may share an assignment.
+    pub fn compatible(&self, other: &[Vec<Feature>]) -> bool {
+        let meet = |(mine, theirs): (&Vec<Feature>, &Vec<Feature>)| {
+            mine.iter().any(|feature| theirs.binary_search(feature).is_ok())
+        };
+        self.features.iter().zip(other).all(meet)
+    }
+}

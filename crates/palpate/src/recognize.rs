@@ -1,0 +1,174 @@
+//! Recognition: every part and pose that explains the contacts (thesis, chapter 2).
+
+use std::sync::Arc as Shared;
+
+use rayon::prelude::*;
+
+use crate::hypothesis::{Count, Hypothesis};
+use crate::plane::{self, Case, Model};
+use crate::tree::Counters;
+use crate::{Error, Evidence};
+
+/// How to recognize. The defaults are stated here and nowhere else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Contacts may lie on faces.
+    pub faces: bool,
+    /// Contacts may lie on vertices; `None`: if a tip has a radius.
+    pub vertices: Option<bool>,
+    /// τ, relative to the size of the part: what is valid within it counts as valid.
+    pub tolerance: f64,
+    /// More hypotheses than this are counted, not returned.
+    pub max_hypotheses: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { faces: true, vertices: None, tolerance: 1e-6, max_hypotheses: 1000 }
+    }
+}
+
+/// What was done for one model.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ModelReport {
+    /// Of the interpretation tree.
+    pub counters: Counters,
+    /// Boxes of poses examined, where the tree was too large.
+    pub num_boxes: u64,
+    /// Hypotheses found.
+    pub num_hypotheses: usize,
+}
+
+/// Every hypothesis.
+#[derive(Debug, Clone)]
+pub struct Recognition {
+    /// In the order of the models.
+    pub hypotheses: Vec<Hypothesis>,
+    /// If there is none: contacts (by number) that no model and pose explains together. The smallest such set up to
+    /// ten contacts; above, one from which none can be left out. Empty: nothing but the misses and the prior.
+    pub conflict: Option<Vec<usize>>,
+    /// One for each model.
+    pub reports: Vec<ModelReport>,
+    /// Every hypothesis is returned. If not, there are more than were asked for, or the search met its limit.
+    pub complete: bool,
+}
+
+impl Recognition {
+    /// How many interpretations all hypotheses have.
+    #[must_use]
+    pub fn interpretation_count(&self) -> Count {
+        let none = Count { at_least: 0, exact: self.complete };
+        self.hypotheses.iter().map(Hypothesis::interpretation_count).fold(none, |sum, count| sum + count)
+    }
+}
+
+/// Every model and pose that explains all contacts, keeps clear of all misses, and agrees with the prior.
+///
+/// For each model: pair tables of its features and of the contacts prune the interpretation tree by distance, angle
+/// and direction (thesis 2.2); each feasible assignment is decided over all poses and given its pose set (MATH 2.1);
+/// assignments that one pose satisfies are joined (DESIGN §1).
+///
+/// ```
+/// use glam::dvec2;
+/// use palpate::{Contact, Evidence, Normal, Settings, plane::Model, recognize};
+///
+/// let corners = [dvec2(0.0, 0.0), dvec2(60.0, 0.0), dvec2(60.0, 40.0), dvec2(0.0, 20.0)];
+/// let part = Model::polygon("wedge", &corners, &[], &[], 0.0, 0.0)?.into();
+/// let touch = |x, y, toward| Ok::<_, palpate::Error>(Contact::new(dvec2(x, y), 0.0, 0.5)?.with_normal(Normal::new(toward, 0.07)?));
+/// let contacts = vec![touch(30.0, 0.0, dvec2(0.0, -1.0))?, touch(60.0, 30.0, dvec2(1.0, 0.0))?];
+/// let found = recognize(&[part], &Evidence { contacts, ..Evidence::default() }, &Settings::default())?;
+/// assert!(found.hypotheses.iter().any(|one| one.poses.contains(palpate::plane::Pose::IDENTITY)));
+/// # Ok::<(), palpate::Error>(())
+/// ```
+///
+/// # Errors
+/// No models, no contacts, no kind of feature, a tolerance out of range, or a contact whose normal contradicts its
+/// approach.
+pub fn recognize(
+    models: &[Shared<Model>],
+    evidence: &Evidence,
+    settings: &Settings,
+) -> Result<Recognition, Error> {
+    check(models, evidence, settings)?;
+    let explanations: Vec<plane::Explanations> =
+        models.par_iter().map(|model| explain(model, evidence, settings)).collect();
+    let reports = explanations.iter().map(|one| ModelReport {
+        counters: one.counters,
+        num_boxes: one.num_boxes,
+        num_hypotheses: one.hypotheses.len(),
+    });
+    let reports: Vec<ModelReport> = reports.collect();
+    let mut complete = explanations.iter().all(|one| one.complete);
+    let mut hypotheses = Vec::new();
+    for (model_number, one) in explanations.into_iter().enumerate() {
+        hypotheses.extend(one.hypotheses.into_iter().map(|poses| Hypothesis {
+            model: Shared::clone(&models[model_number]),
+            model_number,
+            poses,
+        }));
+    }
+    complete &= hypotheses.len() <= settings.max_hypotheses;
+    hypotheses.truncate(settings.max_hypotheses);
+    let conflict = (complete && hypotheses.is_empty()).then(|| conflict(models, evidence, settings));
+    Ok(Recognition { hypotheses, conflict, reports, complete })
+}
+
+fn explain(model: &Shared<Model>, evidence: &Evidence, settings: &Settings) -> plane::Explanations {
+    let tips = evidence.contacts.iter().any(|contact| contact.tip_radius > 0.0);
+    let tables = model.feature_tables(settings.faces, settings.vertices.unwrap_or(tips));
+    plane::explain(Case::new(model, evidence, settings.tolerance), tables)
+}
+
+fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> Result<(), Error> {
+    if models.is_empty() {
+        return Err(Error::new("models", "must not be empty", "[]", "give at least one model"));
+    }
+    if evidence.contacts.is_empty() {
+        return Err(Error::new("contacts", "must not be empty", "[]", "give at least one contact"));
+    }
+    if !settings.faces && settings.vertices == Some(false) {
+        return Err(Error::new("features", "must not be empty", "()", "give \"face\", \"vertex\" or both"));
+    }
+    if !(1e-12..=1e-2).contains(&settings.tolerance) {
+        let remedy = "give a share of the part's size from 1e-12 to 0.01, such as 1e-6";
+        return Err(Error::new("tolerance", "is out of range", settings.tolerance, remedy));
+    }
+    for (number, contact) in evidence.contacts.iter().enumerate() {
+        if let (Some(normal), Some(approach)) = (contact.normal, contact.approach)
+            && normal.direction.angle_to(-approach).abs() > std::f64::consts::FRAC_PI_2 + normal.error
+        {
+            let value = format!("normal {}, approach {approach}", normal.direction);
+            let problem = "the normal points along the approach, out of the part's far side";
+            let remedy = "normals point out of the part, the approach into it; leave a faulty normal out";
+            return Err(Error::new(format!("contacts[{number}]"), problem, value, remedy));
+        }
+    }
+    Ok(())
+}
+
+/// The largest number of contacts for which the smallest conflict is sought.
+const MOST_EXHAUSTIVE: usize = 10;
+
+/// Contacts that can't hold together (DESIGN §4).
+fn conflict(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> Vec<usize> {
+    let explained = |members: &[usize]| {
+        let contacts = members.iter().map(|number| evidence.contacts[*number]).collect();
+        let evidence = Evidence { contacts, ..evidence.clone() };
+        models.par_iter().any(|model| !explain(model, &evidence, settings).hypotheses.is_empty())
+    };
+    let count = evidence.contacts.len();
+    if count <= MOST_EXHAUSTIVE {
+        let mut subsets: Vec<Vec<usize>> =
+            (1_u32..1 << count).map(|bits| (0..count).filter(|k| bits >> k & 1 == 1).collect()).collect();
+        subsets.sort_by(|a, b| a.len().cmp(&b.len()).then_with(|| a.cmp(b)));
+        return subsets.into_iter().find(|members| !explained(members)).unwrap_or_default();
+    }
+    let mut members: Vec<usize> = (0..count).collect();
+    for number in 0..count {
+        let rest: Vec<usize> = members.iter().copied().filter(|member| *member != number).collect();
+        if !rest.is_empty() && !explained(&rest) {
+            members = rest;
+        }
+    }
+    members
+}

@@ -1,0 +1,41 @@
+"""Recognize and localize a known part by touch, with guarantees.
+
+    models = palpate.load_models(["boot", "parts/"])
+    contacts = [palpate.Contact((12.0, 3.5), (0.0, -1.0), position_error=0.5, normal_error=0.07)]
+    found = palpate.recognize(models, contacts)
+
+`palpate.plots` draws models and answers; it is imported when first used.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from ._core import Contact as Contact
+from ._core import Hypothesis as Hypothesis
+from ._core import Interpretation as Interpretation
+from ._core import Interpretations as Interpretations
+from ._core import Miss as Miss
+from ._core import Model as Model
+from ._core import PoseSet as PoseSet
+from ._core import Prior as Prior
+from ._core import Recognition as Recognition
+from ._core import __version__ as __version__
+from ._core import recognize as recognize
+from .contacts import Evidence as Evidence
+from .contacts import read_contacts as read_contacts
+from .contacts import write_contacts as write_contacts
+from .models import bundled_parts as bundled_parts
+from .models import load_models as load_models
+from .models import save_model as save_model
+from .parts import part_names as part_names
+
+if TYPE_CHECKING:
+    from . import plots as plots
+
+
+def __getattr__(name: str) -> Any:
+    """`plots` loads matplotlib, which takes longer than most recognitions."""
+    if name == "plots":
+        from importlib import import_module
+
+        return import_module("palpate.plots")
+    raise AttributeError(f"module 'palpate' has no attribute {name!r}")

@@ -1,0 +1,49 @@
+"""The commands by name."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+import palpate
+from palpate.cli.console import PROGRAM
+from palpate.cli.demo import demo
+from palpate.cli.models import models
+from palpate.cli.recognize import recognize
+
+app = typer.Typer(
+    name=PROGRAM,
+    help="Recognize and localize a known part by touch: every part and pose that explains a few contacts.",
+    epilog="Example: palpate demo",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+
+app.command(epilog="Example: palpate demo --part boot --seed 3 --out boot.svg")(demo)
+app.command(epilog="Example: palpate recognize boot parts/ --contacts touches.csv --plot found.svg")(
+    recognize
+)
+app.command(epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        # Read from the compiled core: that it can be printed proves that the core loads.
+        typer.echo(f"{PROGRAM} {palpate.__version__}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def without_command(
+    context: typer.Context,
+    *,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit."),
+    ] = False,
+) -> None:
+    """Print the help if there is no command."""
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())

@@ -1,0 +1,123 @@
+"""Results as JSON documents; the schemas are in `palpate/schemas`."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from palpate import Hypothesis, Interpretation, Model, Recognition
+
+
+def print_document(document: dict[str, Any]) -> None:
+    """`document` on stdout; a number that JSON can't hold is our mistake, hence an error."""
+    sys.stdout.write(json.dumps(document, indent=2, allow_nan=False) + "\n")
+
+
+def planar(pose: Any) -> tuple[float, float, float]:
+    """x, y and the angle in degrees, -180 to 180, of a 3 by 3 pose."""
+    matrix = np.asarray(pose, dtype=float)
+    return float(matrix[0, 2]), float(matrix[1, 2]), math.degrees(math.atan2(matrix[1, 0], matrix[0, 0]))
+
+
+def excursion_bound(hypothesis: Hypothesis) -> float:
+    """No two poses of the hypothesis move any vertex of its model further apart."""
+    return max(hypothesis.poses.excursion(vertex) for vertex in hypothesis.model.vertices)
+
+
+def recognition_document(
+    found: Recognition,
+    models: Sequence[Model],
+    *,
+    num_contacts: int,
+    unit: str,
+    num_listed: int = 0,
+    stats: bool = False,
+) -> dict[str, Any]:
+    """The `palpate-recognition` document; with up to `num_listed` interpretations of each hypothesis."""
+    document: dict[str, Any] = {
+        "schema": "palpate-recognition",
+        "version": 1,
+        "unit": unit,
+        "models": [model.name for model in models],
+        "contact_count": num_contacts,
+        "complete": found.complete,
+        "interpretation_count": found.interpretation_count,
+        "interpretation_count_exact": found.interpretation_count_exact,
+        "conflict": found.conflict,
+        "hypotheses": [_hypothesis(h, models, num_listed=num_listed) for h in found.hypotheses],
+    }
+    if stats:
+        document["counters"] = [dict(counters) for counters in found.counters]
+    return document
+
+
+def models_document(models: Sequence[Model], *, unit: str) -> dict[str, Any]:
+    """The `palpate-model-report` document."""
+    return {
+        "schema": "palpate-model-report",
+        "version": 1,
+        "unit": unit,
+        "models": [_model(model) for model in models],
+    }
+
+
+def _hypothesis(hypothesis: Hypothesis, models: Sequence[Model], *, num_listed: int) -> dict[str, Any]:
+    x, y, angle_deg = planar(hypothesis.world_from_model)
+    document: dict[str, Any] = {
+        "model": hypothesis.model.name,
+        "model_number": list(models).index(hypothesis.model),
+        "marginal": hypothesis.marginal,
+        "interpretation_count": hypothesis.interpretation_count,
+        "interpretation_count_exact": hypothesis.interpretation_count_exact,
+        "world_from_model": _rows(hypothesis.world_from_model),
+        "x": x,
+        "y": y,
+        "angle_deg": angle_deg,
+        "rotation_bound_deg": math.degrees(hypothesis.poses.rotation_bound),
+        "excursion_bound": excursion_bound(hypothesis),
+    }
+    if num_listed:
+        listed = itertools.islice(hypothesis.interpretations, num_listed)
+        document["interpretations"] = [_interpretation(interpretation) for interpretation in listed]
+    return document
+
+
+def _interpretation(interpretation: Interpretation) -> dict[str, Any]:
+    return {
+        "assignment": [[kind, int(index)] for kind, index in interpretation.assignment],
+        "marginal": interpretation.marginal,
+        "world_from_model": _rows(interpretation.world_from_model),
+    }
+
+
+def _model(model: Model) -> dict[str, Any]:
+    faces = [
+        {"start": _rows(face[0]), "end": _rows(face[1]), "normal": _rows(normal), "surface": surface}
+        for face, normal, surface in zip(model.faces, model.face_normals, model.face_surfaces, strict=True)
+    ]
+    vertices = [
+        {"point": _rows(vertex), "touchable": bool(touchable)}
+        for vertex, touchable in zip(model.vertices, model.touchable_vertices, strict=True)
+    ]
+    return {
+        "name": model.name,
+        "dimension": model.dimension,
+        "closed": model.closed,
+        "size": model.size,
+        "position_slack": model.position_slack,
+        "normal_slack_deg": math.degrees(model.normal_slack),
+        "faces": faces,
+        "vertices": vertices,
+        "symmetries": _rows(model.symmetries),
+        "mends": list(model.mends),
+    }
+
+
+def _rows(array: Any) -> Any:
+    return np.asarray(array, dtype=float).tolist()

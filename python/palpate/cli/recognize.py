@@ -1,0 +1,144 @@
+"""`palpate recognize`: every part and pose that explains the contacts of a file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from palpate import Prior, Recognition, load_models
+from palpate import recognize as recognize_parts
+from palpate.cli import options
+from palpate.cli.console import patiently, results
+from palpate.cli.documents import print_document, recognition_document
+from palpate.cli.report import print_counters, print_recognition
+from palpate.contacts import Evidence, read_contacts
+
+
+def recognize(
+    models: options.Models,
+    *,
+    contacts: options.ContactsFile,
+    position_error: options.PositionError = None,
+    normal_error_deg: options.NormalErrorDeg = None,
+    tip_radius: options.TipRadius = None,
+    path_error: options.PathError = None,
+    prior_pose: options.PriorPose = None,
+    prior_translation: options.PriorTranslation = None,
+    prior_rotation_deg: options.PriorRotationDeg = None,
+    features: options.Features = None,
+    max_hypotheses: options.MaxHypotheses = None,
+    list_interpretations: options.ListInterpretations = 0,
+    unit: options.Unit = "mm",
+    plot: options.Plot = None,
+    plot_range: options.PlotRange = None,
+    stats: options.Stats = False,
+    json: options.Json = False,
+) -> None:
+    """Every part and pose that explains the contacts, with bounds.
+
+    What the contact file says goes before the flags of the sensor; a prior given here goes before the file's.
+    """
+    _check_plot(plot, plot_range)
+    if list_interpretations < 0:
+        remedy = "give how many to list of each hypothesis"
+        raise ValueError(
+            f"--list-interpretations: must be zero or more (got {list_interpretations}); {remedy}"
+        )
+    parts = load_models(models, unit=unit)
+    evidence = read_contacts(
+        contacts,
+        unit=unit,
+        position_error=position_error,
+        normal_error_deg=normal_error_deg,
+        tip_radius=tip_radius,
+        path_error=path_error,
+    )
+    prior = (
+        _prior(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg) or evidence.prior
+    )
+    limit = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
+    kinds = None if features is None else tuple(kind.strip() for kind in features.split(","))
+    found = patiently(
+        lambda: recognize_parts(
+            parts, evidence.contacts, features=kinds, misses=evidence.misses, prior=prior, **limit
+        ),
+        saying="recognizing",
+    )
+    num_contacts = len(evidence.contacts)
+    if plot is not None:
+        _draw(found, evidence, plot, number=plot_range, unit=unit)
+    if json:
+        document = recognition_document(
+            found, parts, num_contacts=num_contacts, unit=unit, num_listed=list_interpretations, stats=stats
+        )
+        print_document(document)
+        return
+    console = results()
+    print_recognition(
+        console,
+        found,
+        num_contacts=num_contacts,
+        num_models=len(parts),
+        unit=unit,
+        num_listed=list_interpretations,
+    )
+    if stats:
+        print_counters(console, found, parts)
+    if plot is not None:
+        console.print(f"picture: {plot}", markup=False)
+
+
+def _check_plot(plot: Path | None, plot_range: int | None) -> None:
+    """Refuse a picture that can't be made before the search, not after it."""
+    if plot is not None:
+        from palpate.plots.style import check_picture_path
+
+        check_picture_path(plot)
+    elif plot_range is not None:
+        raise ValueError("--plot-range: there is no --plot (got None); say which file to draw it to")
+
+
+def _draw(found: Recognition, evidence: Evidence, path: Path, *, number: int | None, unit: str) -> None:
+    # Loading matplotlib takes longer than most recognitions: only when a picture is wanted.
+    from palpate.plots import plot_pose_range, plot_recognition, save_figure
+
+    if number is None:
+        figure = plot_recognition(found, evidence.contacts, misses=evidence.misses, unit=unit)
+    elif 1 <= number <= len(found.hypotheses):
+        hypothesis = found.hypotheses[number - 1]
+        figure = plot_pose_range(hypothesis, evidence.contacts, misses=evidence.misses, unit=unit)
+    else:
+        count = len(found.hypotheses)
+        raise ValueError(
+            f"--plot-range: no such hypothesis (got {number}); there are {count}, counted from 1"
+        )
+    save_figure(figure, path)
+
+
+def _prior(pose: str | None, *, translation: float | None, rotation_deg: float | None) -> Prior | None:
+    """The prior of the flags, None if there is none of them."""
+    if pose is None:
+        for flag, value in (("--prior-translation", translation), ("--prior-rotation-deg", rotation_deg)):
+            if value is not None:
+                raise ValueError(f"{flag}: there is no --prior-pose (got {value}); give it as X,Y,DEG")
+        return None
+    if translation is None:
+        raise ValueError(
+            "--prior-translation: must be given with --prior-pose (got None); give it as a length"
+        )
+    half_turn_deg = 180.0
+    rotation = math.radians(half_turn_deg if rotation_deg is None else rotation_deg)
+    return Prior(_pose_of(pose), translation=translation, rotation=rotation)
+
+
+def _pose_of(text: str) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    try:
+        x, y, angle_deg = (float(part) for part in text.split(","))
+    except ValueError:
+        x = y = angle_deg = math.nan
+    if not math.isfinite(x + y + angle_deg):
+        raise ValueError(f"--prior-pose: must be three numbers (got {text!r}); give it as X,Y,DEG")
+    cosine, sine = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    return np.array([[cosine, -sine, x], [sine, cosine, y], [0.0, 0.0, 1.0]])

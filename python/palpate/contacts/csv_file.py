@@ -1,0 +1,146 @@
+"""Contacts as CSV: one row for each contact or miss, columns by name."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from typing import NoReturn
+
+from palpate.contacts.entry import SCALARS, Entry, Point, Sheet, refuse
+
+POINT_COLUMNS = {
+    "center": ("x", "y"),
+    "normal": ("nx", "ny"),
+    "approach": ("approach_x", "approach_y"),
+    "start": ("start_x", "start_y"),
+}
+COLUMNS = ("kind", "x", "y", "nx", "ny", *SCALARS, "approach_x", "approach_y", "start_x", "start_y")
+SPACE_COLUMNS = ("z", "nz", "approach_z", "start_z")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")  # float() would also take "nan" and "1_000"
+UNIT_COMMENT = re.compile(r"\s*#\s*unit\s*[:=]\s*(\S+)\s*")
+
+
+def parse_csv(name: str, text: str) -> Sheet:
+    """The sheet of a CSV file called `name`."""
+    header: list[str] | None = None
+    unit: str | None = None
+    contacts: list[Entry] = []
+    misses: list[Entry] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        where = f"{name}, line {number}"
+        if match := UNIT_COMMENT.fullmatch(line):
+            unit = match[1]
+        cells = _cells(line)
+        if not cells:
+            continue
+        if header is None:
+            header = _header(where, cells)
+            continue
+        if len(cells) != len(header):
+            _refuse_count(where, len(cells), len(header))
+        row = {column: cell for column, cell in zip(header, cells, strict=True) if cell}
+        if row:  # a row of blanks is what spreadsheets leave at the end
+            (misses if _kind(where, row) == "miss" else contacts).append(_entry(where, row))
+    if header is None:
+        refuse(name, "no header in it", "begin with a line such as x,y,nx,ny")
+    return Sheet(unit, contacts, misses)
+
+
+def csv_text(sheet: Sheet) -> str:
+    """The text of a CSV file for `sheet`, with the columns it needs."""
+    rows = [_row("contact", entry) for entry in sheet.contacts] + [
+        _row("miss", entry) for entry in sheet.misses
+    ]
+    used = {column for row in rows for column in row} | {"x", "y"}
+    columns = [column for column in COLUMNS if column in used and (column != "kind" or sheet.misses)]
+    lines = [f"# unit: {sheet.unit}"] if sheet.unit is not None else []
+    lines.append(",".join(columns))
+    lines += [",".join(row.get(column, "") for column in columns) for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _cells(line: str) -> list[str]:
+    bare = line.split("#", 1)[0].strip()
+    return [cell.strip() for cell in next(csv.reader([bare]))] if bare else []
+
+
+def _header(where: str, cells: list[str]) -> list[str]:
+    header = [cell.lower() for cell in cells]
+    for column in header:
+        if column in SPACE_COLUMNS:
+            refuse(
+                f"{where}, column {column}",
+                "contacts in space are not supported yet",
+                "leave the z columns out",
+            )
+        if column not in COLUMNS:
+            refuse(f"{where}, column {column!r}", "unknown", f"the columns are {','.join(COLUMNS)}")
+        if header.count(column) > 1:
+            refuse(f"{where}, column {column}", "is there twice", "remove one of them")
+    for pair in POINT_COLUMNS.values():
+        missing = [column for column in pair if column not in header]
+        if missing and (pair == ("x", "y") or len(missing) == 1):
+            refuse(f"{where}, column {missing[0]}", "absent from the header", "give both coordinates")
+    return header
+
+
+def _refuse_count(where: str, found: int, expected: int) -> NoReturn:
+    refuse(where, f"{found} cells where the header has {expected}", "leave a cell blank for an absent value")
+
+
+def _kind(where: str, row: dict[str, str]) -> str:
+    kind = row.get("kind", "contact").lower()
+    if kind not in ("contact", "miss"):
+        refuse(f"{where}, column kind", f"unknown kind {row['kind']!r}", "write contact or miss")
+    return kind
+
+
+def _entry(where: str, row: dict[str, str]) -> Entry:
+    points = {name: point for name, pair in POINT_COLUMNS.items() if (point := _point(where, row, pair))}
+    scalars = {name: _number(where, row, name) for name in SCALARS if name in row}
+    if "center" not in points:
+        refuse(f"{where}, column x", "blank", "give the place of the tip")
+    if _kind(where, row) == "miss":
+        if "start" not in points:
+            refuse(
+                f"{where}, column start_x",
+                "blank in a miss",
+                "a miss swept from start_x,start_y to x,y: give both",
+            )
+        if "normal" in points:
+            refuse(f"{where}, column nx", "a miss has no normal", "leave it blank")
+        points["end"] = points.pop("center")
+    return Entry(where, points, scalars)
+
+
+def _point(where: str, row: dict[str, str], pair: tuple[str, str]) -> Point | None:
+    if not any(column in row for column in pair):
+        return None
+    for column in pair:
+        if column not in row:
+            refuse(
+                f"{where}, column {column}",
+                "blank while its partner is not",
+                "give both coordinates, or neither",
+            )
+    return _number(where, row, pair[0]), _number(where, row, pair[1])
+
+
+def _number(where: str, row: dict[str, str], column: str) -> float:
+    value = float(row[column]) if NUMBER.fullmatch(row[column]) else math.nan
+    if not math.isfinite(value):
+        refuse(
+            f"{where}, column {column}",
+            f"{row[column]!r} is not a finite number",
+            "write it like -12.5 or 1e-3",
+        )
+    return value
+
+
+def _row(kind: str, entry: Entry) -> dict[str, str]:
+    row = {"kind": kind} | {name: repr(value) for name, value in entry.scalars.items()}
+    for name, point in entry.points.items():
+        for column, value in zip(POINT_COLUMNS["center" if name == "end" else name], point, strict=True):
+            row[column] = repr(value)
+    return row

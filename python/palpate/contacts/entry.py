@@ -1,0 +1,205 @@
+"""Entries: what CSV and JSON have in common, between a file's text and the evidence it holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NoReturn
+
+import numpy as np
+
+from palpate._core import Contact, Miss, Prior
+
+MM_PER_UNIT = {"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
+
+SCALARS = ("position_error", "normal_error_deg", "tip_radius", "path_error")
+PLACES = ("center", "start", "end")  # the other points are directions and have no unit
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Defaults:
+    """Bounds for entries that have none of their own; lengths in the models' unit."""
+
+    position_error: float | None = None
+    normal_error_deg: float | None = None
+    tip_radius: float | None = None
+    path_error: float | None = None
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One contact or miss as a file has it; `where` is its place in the file, for messages."""
+
+    where: str
+    points: dict[str, Point]
+    scalars: dict[str, float]
+
+    def scaled(self, factor: float) -> Entry:
+        """The same entry with its lengths multiplied by `factor`; directions and angles stay."""
+        points = {k: (p[0] * factor, p[1] * factor) if k in PLACES else p for k, p in self.points.items()}
+        scalars = {k: v if k.endswith("_deg") else v * factor for k, v in self.scalars.items()}
+        return replace(self, points=points, scalars=scalars)
+
+
+@dataclass(frozen=True)
+class PriorEntry:
+    """A prior as a file has it."""
+
+    where: str
+    world_from_model: list[list[float]]
+    translation: float
+    rotation_deg: float
+
+    def scaled(self, factor: float) -> PriorEntry:
+        """The same prior with its lengths multiplied by `factor`."""
+        rows = [[*row[:2], row[2] * factor] for row in self.world_from_model[:2]]
+        pose = [*rows, self.world_from_model[2]]
+        return replace(self, world_from_model=pose, translation=self.translation * factor)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A whole contact file; `unit` is None where the file doesn't name one: then it is the models'."""
+
+    unit: str | None
+    contacts: list[Entry] = field(default_factory=list[Entry])
+    misses: list[Entry] = field(default_factory=list[Entry])
+    prior: PriorEntry | None = None
+
+    def scaled(self, factor: float) -> Sheet:
+        """The same sheet with its lengths multiplied by `factor`."""
+        return replace(
+            self,
+            contacts=[entry.scaled(factor) for entry in self.contacts],
+            misses=[entry.scaled(factor) for entry in self.misses],
+            prior=None if self.prior is None else self.prior.scaled(factor),
+        )
+
+
+def refuse(where: str, problem: str, remedy: str) -> NoReturn:
+    """Bad input: one line that says where, what, and what to do."""
+    raise ValueError(f"{where}: {problem}; {remedy}")
+
+
+def mm_per(unit: str, where: str) -> float:
+    """Millimetres in one `unit`."""
+    if unit not in MM_PER_UNIT:
+        refuse(where, f"unknown unit {unit!r}", f"give one of {', '.join(MM_PER_UNIT)}")
+    return MM_PER_UNIT[unit]
+
+
+def contact_of(entry: Entry, defaults: Defaults) -> Contact:
+    """The contact that `entry` describes."""
+    normal = entry.points.get("normal")
+    position_error = entry.scalars.get("position_error", defaults.position_error)
+    normal_error_deg = entry.scalars.get("normal_error_deg", defaults.normal_error_deg)
+    tip_radius = entry.scalars.get("tip_radius", defaults.tip_radius)
+    if position_error is None:
+        refuse(
+            f"{entry.where}, position_error",
+            "absent",
+            "fill it in, or give --position-error for all contacts",
+        )
+    if normal is not None and normal_error_deg is None:
+        problem = "absent, though there is a normal"
+        refuse(
+            f"{entry.where}, normal_error_deg",
+            problem,
+            "fill it in, or give --normal-error-deg for all contacts",
+        )
+    try:
+        return Contact.from_tip(
+            entry.points["center"],
+            0.0 if tip_radius is None else tip_radius,
+            position_error=position_error,
+            normal=normal,
+            normal_error=None
+            if normal is None or normal_error_deg is None
+            else math.radians(normal_error_deg),
+            approach=entry.points.get("approach"),
+            start=entry.points.get("start"),
+        )
+    except ValueError as error:
+        raise ValueError(f"{entry.where}: {error}") from None
+
+
+def miss_of(entry: Entry, defaults: Defaults) -> Miss:
+    """The miss that `entry` describes."""
+    # A tip known to within its position error may have left its line by as much, unless it is said otherwise.
+    nearest_first = (
+        entry.scalars.get("path_error"),
+        defaults.path_error,
+        entry.scalars.get("position_error"),
+        defaults.position_error,
+    )
+    path_error = next((bound for bound in nearest_first if bound is not None), 0.0)
+    tip_radius = entry.scalars.get("tip_radius", defaults.tip_radius)
+    try:
+        return Miss(
+            entry.points["start"],
+            entry.points["end"],
+            tip_radius=0.0 if tip_radius is None else tip_radius,
+            path_error=path_error,
+        )
+    except ValueError as error:
+        raise ValueError(f"{entry.where}: {error}") from None
+
+
+def prior_of(entry: PriorEntry) -> Prior:
+    """The prior that `entry` describes."""
+    try:
+        return Prior(
+            np.array(entry.world_from_model),
+            translation=entry.translation,
+            rotation=math.radians(entry.rotation_deg),
+        )
+    except ValueError as error:
+        raise ValueError(f"{entry.where}: {error}") from None
+
+
+def sheet_of(contacts: Sequence[Contact], misses: Sequence[Miss], *, prior: Prior | None, unit: str) -> Sheet:
+    """The sheet that, when read in `unit`, gives these contacts, misses and prior."""
+    return Sheet(
+        unit,
+        [_entry_of_contact(contact) for contact in contacts],
+        [_entry_of_miss(miss) for miss in misses],
+        None if prior is None else _entry_of_prior(prior),
+    )
+
+
+def _entry_of_contact(contact: Contact) -> Entry:
+    points = {
+        "center": contact.center,
+        "normal": contact.normal,
+        "approach": contact.approach,
+        "start": contact.start,
+    }
+    scalars = {"position_error": contact.position_error, "tip_radius": contact.tip_radius}
+    if contact.normal_error is not None:
+        scalars["normal_error_deg"] = shortest_degrees(contact.normal_error)
+    return Entry("", {name: _point(p) for name, p in points.items() if p is not None}, scalars)
+
+
+def _entry_of_miss(miss: Miss) -> Entry:
+    points = {"start": _point(miss.start), "end": _point(miss.end)}
+    return Entry("", points, {"tip_radius": miss.tip_radius, "path_error": miss.path_error})
+
+
+def _entry_of_prior(prior: Prior) -> PriorEntry:
+    pose = np.asarray(prior.world_from_model, dtype=float).tolist()
+    return PriorEntry("", pose, prior.translation, shortest_degrees(prior.rotation))
+
+
+def _point(values: Any) -> Point:
+    x, y = values
+    return float(x), float(y)
+
+
+def shortest_degrees(radians: float) -> float:
+    """The shortest decimal in degrees that reads back as `radians`: 4.0, not 3.9999999999999996."""
+    degrees = math.degrees(radians)
+    candidates = (float(f"{degrees:.{digits}g}") for digits in range(1, 18))
+    return next((value for value in candidates if math.radians(value) == radians), degrees)

@@ -1,0 +1,201 @@
+"""Curves made into chords, with a bound on what that costs.
+
+The bounds are proved, not sampled. An arc of an ellipse is farthest from its chord half-way and turns one way
+only. A rational Bézier curve with positive weights lies in the hull of its control points, and its tangents in
+the cone of the vectors from each control point to each later one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+# Halvings of a piece before its bounds are read off: they are then within a few per cent of the truth.
+_REFINEMENTS = 3
+# A piece this small, as a share of the tolerance, is a corner: it turns, but has no length to be touched on.
+_CORNER_SHARE = 1e-3
+_MOST_CHORDS = 20_000
+
+
+class CurveError(ValueError):
+    """A curve that can't be made into chords."""
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far chords may be from their curve."""
+
+    distance: float
+    """In the models' unit."""
+    turn: float
+    """Between a chord and the curve's tangents, radians."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A run of chords, and how far the curve it stands for may be from them."""
+
+    points: Array
+    """Shape `(n, 2)`, the models' unit."""
+    position_slack: float = 0.0
+    """Largest distance of the curve from its chords."""
+    normal_slack: float = 0.0
+    """Largest angle between the curve's normals and its chords', radians."""
+
+
+def line(*points: ArrayLike) -> Piece:
+    """Straight from point to point."""
+    piece = Piece(np.array(points, dtype=float))
+    _check_finite(piece.points)
+    return piece
+
+
+def elliptic_arc(
+    frame: tuple[Array, Array, Array], start: float, sweep: float, *, tolerance: Tolerance
+) -> Piece:
+    """The arc `center + cos(t) axis_x + sin(t) axis_y`, for `t` from `start` on through `sweep`.
+
+    Args:
+        frame: Center and the two axes, conjugate half-diameters; a circle's are equal and at right angles.
+        start: Where it begins, radians.
+        sweep: How far it goes on, radians; negative for clockwise, if the axes are counter-clockwise.
+        tolerance: The number of chords is the smallest that keeps it, but for a sixteenth.
+    """
+    center, axis_x, axis_y = frame
+    _check_finite(np.array([*center, *axis_x, *axis_y, start, sweep]))
+    count = max(1, math.ceil(abs(sweep) / (math.pi / 2)))
+    while True:
+        t = start + sweep * np.linspace(0.0, 1.0, count + 1)
+        middle = 0.5 * (t[1:] + t[:-1])
+        points = center + np.outer(np.cos(t), axis_x) + np.outer(np.sin(t), axis_y)
+        rays = np.outer(np.cos(middle), axis_x) + np.outer(np.sin(middle), axis_y)
+        tangents = math.copysign(1.0, sweep) * (np.outer(np.cos(t), axis_y) - np.outer(np.sin(t), axis_x))
+        chords = np.diff(points, axis=0)
+        lengths = np.maximum(np.hypot(*chords.T), np.finfo(float).tiny)
+        # Half-way the curve is at `center + ray`, the chord at `center + cos(half step) ray`.
+        height = 1.0 - math.cos(0.5 * abs(sweep) / count)
+        distance = float(np.max(np.abs(_cross(chords, rays)) / lengths)) * height
+        turn = float(max(np.max(_angles(chords, tangents[:-1])), np.max(_angles(chords, tangents[1:]))))
+        if distance <= tolerance.distance and turn <= tolerance.turn:
+            break
+        count += max(1, count // 16)
+        _check_count(count)
+    if abs(abs(sweep) - 2.0 * math.pi) < 1e-12:
+        points[-1] = points[0]
+    return Piece(points, distance, turn)
+
+
+def bezier(controls: Array, *, tolerance: Tolerance) -> Piece:
+    """A Bézier curve, rational or not.
+
+    Args:
+        controls: Homogeneous control points `(w x, w y, w)`, shape `(degree + 1, 3)`, with `w > 0`.
+        tolerance: Pieces are halved until each keeps it.
+    """
+    _check_finite(controls)
+    points = [_affine(controls)[0]]
+    distance = turn = 0.0
+    pending = [controls]
+    while pending:
+        piece = pending.pop()
+        plane = _affine(piece)
+        extent = float(np.hypot(*np.ptp(plane, axis=0)))
+        corner = extent <= _CORNER_SHARE * tolerance.distance
+        piece_distance, piece_turn = (extent, 0.0) if corner else _bounds(piece)
+        if piece_distance <= tolerance.distance and piece_turn <= tolerance.turn:
+            points.append(plane[-1])
+            # Below these it is rounding: the piece is straight.
+            distance = max(distance, piece_distance if piece_distance > 1e-12 * extent else 0.0)
+            turn = max(turn, piece_turn if piece_turn > 1e-9 else 0.0)
+        else:
+            first, second = _halves(piece[None])
+            pending += [second, first]
+            _check_count(len(points) + len(pending))
+    return Piece(np.array(points), distance, turn)
+
+
+def spline(controls: Array, knots: Array, *, tolerance: Tolerance) -> list[Piece]:
+    """A B-spline: its Bézier pieces, exactly, each made into chords.
+
+    Args:
+        controls: Homogeneous control points, shape `(n, 3)`.
+        knots: `n + degree + 1` of them, not falling.
+        tolerance: Kept by each piece.
+    """
+    _check_finite(knots)
+    degree = len(knots) - len(controls) - 1
+    low, high = knots[degree], knots[len(controls)]
+    for knot in np.unique(knots[(knots >= low) & (knots <= high)]):
+        for _ in range(degree - int(np.sum(knots == knot))):
+            controls, knots = _insert(controls, knots, knot, degree)
+    distinct = np.unique(knots[(knots >= low) & (knots < high)])
+    firsts = [int(np.searchsorted(knots, knot, side="right")) - 1 - degree for knot in distinct]
+    return [bezier(controls[first : first + degree + 1], tolerance=tolerance) for first in firsts]
+
+
+def _check_finite(numbers: Array) -> None:
+    if not np.all(np.isfinite(numbers)):
+        raise CurveError("a coordinate is not finite; draw the part anew or delete the damaged line")
+
+
+def _check_count(count: int) -> None:
+    if count > _MOST_CHORDS:
+        raise CurveError(f"a curve needs more than {_MOST_CHORDS} chords; raise flattening or turn_deg")
+
+
+def _insert(controls: Array, knots: Array, knot: float, degree: int) -> tuple[Array, Array]:  # noqa: PLR0917
+    """The same spline with one more `knot` (Boehm 1980)."""
+    span = min(int(np.searchsorted(knots, knot, side="right")) - 1, len(controls) - 1)
+    index = np.arange(span - degree + 1, span + 1)
+    width = knots[index + degree] - knots[index]
+    share = ((knot - knots[index]) / np.where(width > 0.0, width, 1.0))[:, None]
+    between = (1.0 - share) * controls[index - 1] + share * controls[index]
+    controls = np.concatenate([controls[: span - degree + 1], between, controls[span:]])
+    return controls, np.insert(knots, span + 1, knot)
+
+
+def _bounds(controls: Array) -> tuple[float, float]:
+    """Upper bounds: distance of a Bézier curve from its chord, angle of its tangents to the chord."""
+    pieces = controls[None]
+    for _ in range(_REFINEMENTS):
+        pieces = _halves(pieces)
+    plane = _affine(pieces)
+    start, chord = plane[0, 0], plane[-1, -1] - plane[0, 0]
+    length = float(np.hypot(*chord))
+    extent = float(np.hypot(*np.ptp(plane.reshape(-1, 2), axis=0)))
+    if length <= 1e-9 * extent or extent == 0.0:
+        return extent, math.pi if extent > 0.0 else 0.0
+    along = np.clip((plane - start) @ chord / length**2, 0.0, 1.0)[..., None]
+    distance = np.max(np.linalg.norm(plane - start - along * chord, axis=-1))
+    first, second = np.triu_indices(plane.shape[1], k=1)
+    vectors = (plane[:, second] - plane[:, first]).reshape(-1, 2)
+    vectors = vectors[np.hypot(*vectors.T) > 1e-9 * extent]
+    return float(distance), float(np.max(_angles(np.broadcast_to(chord, vectors.shape), vectors)))
+
+
+def _halves(pieces: Array) -> Array:
+    """Each Bézier curve of `(m, degree + 1, 3)` cut in two (de Casteljau), in order."""
+    left, right = [pieces[:, 0]], [pieces[:, -1]]
+    while pieces.shape[1] > 1:
+        pieces = 0.5 * (pieces[:, :-1] + pieces[:, 1:])
+        left.append(pieces[:, 0])
+        right.append(pieces[:, -1])
+    both = np.stack([np.stack(left, axis=1), np.stack(right[::-1], axis=1)], axis=1)
+    return both.reshape(-1, *both.shape[2:])
+
+
+def _affine(controls: Array) -> Array:
+    return controls[..., :2] / controls[..., 2:]
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def _angles(a: Array, b: Array) -> Array:
+    return np.abs(np.arctan2(_cross(a, b), np.sum(a * b, axis=-1)))

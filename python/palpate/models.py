@@ -1,0 +1,188 @@
+"""Model files: JSON, DXF and SVG into models, and models into JSON.
+
+A JSON file is a `palpate-model` document (`schemas/model-1.json`). DXF and SVG are drawings: closed lines are
+outlines, and holes of the ones around them; several outlines are several models, numbered from left to right;
+where nothing is closed, the lines are loose faces. Curves become chords, and the model says what that costs:
+`position_slack` and `normal_slack` are added to the bounds of every contact.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate._core import Model
+from palpate.contacts.entry import MM_PER_UNIT, mm_per, refuse
+from palpate.curves import CurveError, Tolerance
+from palpate.model_json import document_of, parse_model
+from palpate.outlines import Drawing, Shape, shapes_of
+from palpate.parts import part_names, part_path
+
+SUFFIXES = (".json", ".dxf", ".svg")
+
+_FLATTENING_MM = 0.05
+
+
+def load_models(
+    paths: str | Path | Sequence[str | Path],
+    *,
+    unit: str = "mm",
+    flattening: float | None = None,
+    turn_deg: float = 7.5,
+) -> list[Model]:
+    """Models of files, folders and bundled parts, in this order; a folder's files by name.
+
+    Args:
+        paths: JSON, DXF and SVG files, folders of them, or names of bundled parts such as "boot".
+        unit: Unit of the models that are returned; files in another one are converted.
+        flattening: How far chords may be from their curves, and ends that are to be joined from each other,
+            in `unit`. Else 0.05 mm.
+        turn_deg: How far the normals of chords may be from those of the curves, degrees.
+
+    Raises:
+        ValueError: If a file is missing, malformed, of an unknown kind or without an outline; names it.
+    """
+    mm_per_unit = mm_per(unit, "unit")
+    distance = _FLATTENING_MM / mm_per_unit if flattening is None else flattening
+    if not (math.isfinite(distance) and distance > 0.0):
+        refuse(
+            "flattening",
+            f"{distance!r} is not a length above zero",
+            f"give, for example, 0.05 for parts in {unit}",
+        )
+    if not 0.0 < turn_deg <= 45.0:
+        refuse("turn_deg", f"{turn_deg!r} is not above 0 and at most 45", "give, for example, 7.5")
+    tolerance = Tolerance(distance, math.radians(turn_deg))
+    given = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    if not given:
+        refuse("paths", "no model is named", f"name a file, a folder or one of {', '.join(part_names())}")
+    return [
+        model
+        for path in given
+        for file in _files(path)
+        for model in _load(file, unit=unit, tolerance=tolerance)
+    ]
+
+
+def save_model(model: Model, path: str | Path, *, unit: str = "mm") -> None:
+    """Write a model as JSON. Reading it back gives the same faces, in the same order.
+
+    Args:
+        model: In `unit`.
+        path: A .json file.
+        unit: Said in the file.
+
+    Raises:
+        ValueError: If the suffix is another, or the unit is not known.
+    """
+    path = Path(path)
+    mm_per(unit, "unit")
+    if path.suffix.lower() != ".json":
+        refuse(path.name, f"models are written as JSON, not {path.suffix!r}", "name the file .json")
+    path.write_text(json.dumps(document_of(model, unit), indent=1) + "\n", encoding="utf-8")
+
+
+def bundled_parts() -> list[Model]:
+    """All parts that come with palpate, in mm."""
+    return load_models(part_names())
+
+
+def _files(path: str | Path) -> list[Path]:
+    """The model files that `path` names."""
+    file = Path(path)
+    if file.is_dir():
+        files = sorted(
+            f for f in file.iterdir() if f.suffix.lower() in SUFFIXES and not _is_of_another_kind(f)
+        )
+        if not files:
+            refuse(str(path), "no model file in this folder", f"put {', '.join(SUFFIXES)} files there")
+        return files
+    if file.is_file():
+        if file.suffix.lower() not in SUFFIXES:
+            refuse(str(path), f"unknown suffix {file.suffix!r}", f"give a {', '.join(SUFFIXES)} file")
+        return [file]
+    bundled = part_path(str(path))
+    if bundled is None:
+        refuse(str(path), "no such file or folder", f"give a model file or one of {', '.join(part_names())}")
+    return [bundled]
+
+
+def _is_of_another_kind(file: Path) -> bool:
+    """A document of ours that is no model, such as contacts kept beside the parts."""
+    if file.suffix.lower() != ".json":
+        return False
+    try:
+        document = json.loads(file.read_text(encoding="utf-8-sig"))
+    except ValueError:
+        return False
+    schema = document.get("schema") if isinstance(document, dict) else None
+    return isinstance(schema, str) and schema.startswith("palpate-") and schema != "palpate-model"
+
+
+def _load(file: Path, *, unit: str, tolerance: Tolerance) -> list[Model]:
+    try:
+        if file.suffix.lower() == ".json":
+            arguments = parse_model(file.name, _text_of(file), mm_per_unit=MM_PER_UNIT[unit])
+            return [_model(file.name, arguments)]
+        return _load_drawing(file, unit=unit, tolerance=tolerance)
+    except OSError as error:
+        refuse(file.name, f"can't be read: {error.strerror}", "check the file's permissions")
+
+
+def _load_drawing(file: Path, *, unit: str, tolerance: Tolerance) -> list[Model]:
+    try:
+        drawing = _drawing(file, unit=unit, tolerance=tolerance)
+    except CurveError as error:
+        raise ValueError(f"{file.name}: {error}") from None
+    shapes = shapes_of(drawing.pieces, join=tolerance.distance)
+    if not shapes:
+        said = "".join(f" ({note})" for note in drawing.notes)
+        refuse(file.name, f"no outline in it{said}", "draw the part with lines, arcs and curves")
+    names = [file.stem] if len(shapes) == 1 else [f"{file.stem}-{k}" for k in range(1, len(shapes) + 1)]
+    return [
+        _model(file.name, _arguments_of(shape) | {"name": name, "mends": [*drawing.notes, *shape.notes]})
+        for name, shape in zip(names, shapes, strict=True)
+    ]
+
+
+def _drawing(file: Path, *, unit: str, tolerance: Tolerance) -> Drawing:
+    mm_per_unit = MM_PER_UNIT[unit]
+    if file.suffix.lower() == ".svg":
+        from palpate.svg import read_svg
+
+        return read_svg(file, mm_per_unit=mm_per_unit, tolerance=tolerance)
+    from palpate.dxf import read_dxf
+
+    return read_dxf(file, mm_per_unit=mm_per_unit, unit=unit, tolerance=tolerance)
+
+
+def _arguments_of(shape: Shape) -> dict[str, Any]:
+    slacks: dict[str, Any] = {"position_slack": shape.position_slack, "normal_slack": shape.normal_slack}
+    if shape.closed:
+        outer, *holes = (loop[:-1] for loop in shape.loops)  # the last point is the first again
+        return slacks | {"outer": outer, "holes": holes}
+    segments = np.concatenate([np.stack([chain[:-1], chain[1:]], axis=1) for chain in shape.loops])
+    return slacks | {"segments": segments}
+
+
+def _model(file_name: str, arguments: dict[str, Any]) -> Model:
+    """The model of `arguments`, which are those of its constructor; the shape is `outer` or `segments`."""
+    arguments = dict(arguments)
+    try:
+        if "outer" in arguments:
+            return Model.polygon(arguments.pop("outer"), **arguments)
+        return Model.segments(arguments.pop("segments"), **arguments)
+    except ValueError as error:
+        raise ValueError(f"{file_name}: {error}") from None
+
+
+def _text_of(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        refuse(file.name, "is not UTF-8 text", "save it as UTF-8")

@@ -1,0 +1,224 @@
+"""The three pictures: models, recognition, range of poses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+
+from palpate._core import Contact, Hypothesis, Miss, Model, Recognition
+from palpate.plots.shapes import HALO, Array, draw_contact, draw_miss, draw_model, evidence_points, placed
+from palpate.plots.style import (
+    CONFLICT,
+    RC,
+    SENSED,
+    frame_of,
+    new_figure,
+    part_style,
+    set_frame,
+    shape_of,
+    words,
+)
+
+MOST_DRAWN = 25  # hypotheses in one picture; more can't be told apart
+MOST_NUMBERED = 60  # faces of one model that get a number
+
+
+def plot_recognition(
+    found: Recognition,
+    contacts: Sequence[Contact],
+    *,
+    misses: Sequence[Miss] = (),
+    unit: str = "mm",
+    title: str | None = None,
+) -> Figure:
+    """All hypotheses superposed, each part in its colour, with the contacts and misses they explain.
+
+    Beyond 25 hypotheses the first 25 are drawn, and the title says so.
+    """
+    drawn = list(found.hypotheses[:MOST_DRAWN])
+    parts = list(dict.fromkeys(hypothesis.model.name for hypothesis in found.hypotheses))
+    corners = [placed(h.world_from_model, h.model.vertices) for h in drawn]
+    spike = _spike_for(corners, contacts)
+    low, high = frame_of(np.vstack([*corners, *evidence_points(contacts, misses, spike=spike)]))
+    with mpl.rc_context(RC):
+        figure = new_figure(shape_of(low, high))
+        axes = figure.add_subplot()
+        fill = 0.16 / max(1.0, len(drawn) / 4)
+        numbers_at = _number_places(corners, [np.asarray(contact.center) for contact in contacts])
+        for number, hypothesis in enumerate(drawn, start=1):
+            color, dash = part_style(parts.index(hypothesis.model.name))
+            pose = hypothesis.world_from_model
+            draw_model(axes, hypothesis.model, pose, color=color, dash=dash, fill=fill, width=1.3)
+            place = numbers_at[number - 1]
+            axes.text(*place, str(number), color=color, ha="center", va="center", path_effects=HALO, zorder=6)
+        conflict = found.conflict or []
+        for index, contact in enumerate(contacts):
+            color = CONFLICT if index in conflict else SENSED
+            draw_contact(axes, contact, number=index + 1, spike=spike, color=color)
+        for miss in misses:
+            draw_miss(axes, miss)
+        axes.set_title(title if title is not None else _recognition_title(found))
+        _add_part_legend(figure, found, parts)
+        set_frame(axes, low, high, unit=unit)
+    return figure
+
+
+def plot_pose_range(
+    hypothesis: Hypothesis,
+    contacts: Sequence[Contact] = (),
+    *,
+    misses: Sequence[Miss] = (),
+    unit: str = "mm",
+    num_samples: int = 60,
+    seed: int = 0,
+) -> Figure:
+    """The range of poses of one hypothesis, as in figure 2.4 of the thesis.
+
+    Faint: sampled poses, each of them valid. Bold: the pose of largest slack. Shaded: where each vertex may
+    be.
+    """
+    model, poses = hypothesis.model, hypothesis.poses
+    samples = poses.sample(num_samples, seed=seed)
+    ranges = [np.asarray(poses.outline(vertex)) for vertex in model.vertices]
+    corners = [placed(pose, model.vertices) for pose in [*samples, hypothesis.world_from_model]]
+    spike = _spike_for(corners[-1:], contacts)
+    low, high = frame_of(np.vstack([*corners, *ranges, *evidence_points(contacts, misses, spike=spike)]))
+    color, _ = part_style(0)
+    with mpl.rc_context(RC):
+        figure = new_figure(shape_of(low, high))
+        axes = figure.add_subplot()
+        for region in ranges:
+            axes.add_patch(
+                Polygon(region, facecolor="#E69F00", edgecolor="#B87C00", alpha=0.3, lw=0.7, zorder=1)
+            )
+        for pose in samples:
+            draw_model(axes, model, pose, color=color, alpha=0.22, width=0.6, zorder=2)
+        draw_model(axes, model, hypothesis.world_from_model, color=color, fill=0.08, width=2.0, zorder=3)
+        for index, contact in enumerate(contacts):
+            draw_contact(axes, contact, number=index + 1, spike=spike)
+        for miss in misses:
+            draw_miss(axes, miss)
+        shift = max(poses.excursion(vertex) for vertex in model.vertices)
+        turn = math.degrees(poses.rotation_bound)
+        axes.set_title(
+            f"{model.name}: turns by at most {turn:.3g}°, vertices move by at most {shift:.3g} {unit}"
+        )
+        handles = [
+            Line2D([], [], color=color, lw=2.0, label="pose of largest slack"),
+            Line2D([], [], color=color, lw=0.8, alpha=0.5, label=f"{len(samples)} sampled poses"),
+            Line2D([], [], marker="s", ls="", color="#E69F00", alpha=0.5, label="where each vertex may be"),
+        ]
+        figure.legend(handles=handles, loc="outside lower center", ncols=3)
+        set_frame(axes, low, high, unit=unit)
+    return figure
+
+
+def plot_models(models: Sequence[Model], *, unit: str = "mm") -> Figure:
+    """Each model in its frame: faces and their numbers, outward normals, vertices; what can't be touched."""
+    if not models:
+        raise ValueError("models: nothing to draw (got none); give at least one model")
+    num_columns = math.ceil(math.sqrt(len(models)))
+    num_rows = math.ceil(len(models) / num_columns)
+    with mpl.rc_context(RC):
+        frames = _frames_of(models)
+        cell = 6.5 if len(models) == 1 else 4.2
+        aspect = max(float((high - low)[1] / (high - low)[0]) for low, high in frames)
+        figure = new_figure((cell * num_columns, cell * min(1.5, aspect) * num_rows + 0.6 * num_rows))
+        for index, model in enumerate(models):
+            axes = figure.add_subplot(num_rows, num_columns, index + 1)
+            _draw_labelled(axes, model, color=part_style(index)[0])
+            set_frame(axes, *frames[index], unit=unit)
+    return figure
+
+
+def _frames_of(models: Sequence[Model]) -> list[tuple[Array, Array]]:
+    """A frame for each model; all of one size, so that parts compare, unless one part would then be tiny."""
+    own = [
+        frame_of(np.vstack([np.vstack(model.faces) + 0.04 * model.size * d for d in (-1, 1)]))
+        for model in models
+    ]
+    sizes = np.array([high - low for low, high in own])
+    if sizes.max() > 5.0 * sizes.max(axis=1).min():
+        return own
+    half = sizes.max(axis=0) / 2
+    middles = [(low + high) / 2 for low, high in own]
+    return [(middle - half, middle + half) for middle in middles]
+
+
+def _draw_labelled(axes: Axes, model: Model, *, color: str) -> None:
+    draw_model(axes, model, np.eye(3), color=color, fill=0.12, width=1.5)
+    tick = 0.035 * model.size
+    for index, (face, normal) in enumerate(zip(model.faces, model.face_normals, strict=True)):
+        if len(model.faces) > MOST_NUMBERED or model.face_surfaces[index] == "seam":
+            continue
+        middle = face.mean(axis=0)
+        axes.plot(*np.array([middle, middle + tick * normal]).T, color=color, lw=0.9)
+        inside = middle - 1.1 * tick * normal
+        axes.text(
+            *inside, str(index), ha="center", va="center", fontsize=7.5, color="#333333", path_effects=HALO
+        )
+    touchable = np.asarray(model.touchable_vertices, dtype=bool)
+    for chosen, fill in ((touchable, color), (~touchable, "white")):
+        axes.plot(
+            *model.vertices[chosen].T, ls="", marker="o", ms=3.2, mfc=fill, mec=color, mew=0.9, zorder=5
+        )
+    turns = len(model.symmetries)
+    also = f", {turns} symmetries" if turns > 1 else ""
+    axes.set_title(f"{model.name}: {len(model.faces)} faces{also}")
+
+
+def _spike_for(corners: Sequence[Array], contacts: Sequence[Contact]) -> float:
+    """How long normals are drawn: a twelfth of the picture."""
+    points = np.vstack([*corners, *([c.center] for c in contacts)])
+    return max(
+        float(np.ptp(points, axis=0).max()) / 12,
+        max((2.5 * c.tip_radius for c in contacts), default=0.0),
+        1e-9,
+    )
+
+
+def _number_places(corners: Sequence[Array], centers: Sequence[Array]) -> list[Array]:
+    """Where each hypothesis gets its number: just inside a corner, far from contacts and other numbers."""
+    if not corners:
+        return []
+    everything = np.vstack(corners)
+    middle = np.mean(centers, axis=0) if centers else everything.mean(axis=0)
+    room = 0.15 * float(np.ptp(everything, axis=0).max())
+    places: list[Array] = []
+    for points in corners:
+        inside = points + 0.08 * (points.mean(axis=0) - points)
+        worth = np.hypot(*(inside - middle).T)
+        for place in places:
+            # A number on top of another can't be read; beyond `room` the distance no longer matters.
+            worth -= 4.0 * np.maximum(0.0, room - np.hypot(*(inside - place).T))
+        places.append(inside[np.argmax(worth)])
+    return places
+
+
+def _recognition_title(found: Recognition) -> str:
+    count = len(found.hypotheses)
+    if not count:
+        if not found.conflict:
+            return "no model explains the contacts"
+        return f"no model explains the contacts: {words([k + 1 for k in found.conflict])} can't hold together"
+    more = "" if found.complete else "more than "
+    title = f"{more}{count} hypothes{'is' if count == 1 else 'es'}"
+    return title if count <= MOST_DRAWN else f"{title}, the first {MOST_DRAWN} drawn"
+
+
+def _add_part_legend(figure: Figure, found: Recognition, parts: Sequence[str]) -> None:
+    handles: list[Line2D] = []
+    for index, part in enumerate(parts):
+        numbers = [n for n, h in enumerate(found.hypotheses, start=1) if h.model.name == part]
+        which = ", ".join(map(str, numbers)) if len(numbers) <= 6 else f"{len(numbers)} hypotheses"
+        color, dash = part_style(index)
+        handles.append(Line2D([], [], color=color, ls=dash, lw=2.0, label=f"{part} ({which})"))
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(3, len(handles)))

@@ -1,0 +1,19 @@
+"""Things that several tests need."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import palpate
+
+
+def pose(angle: float, x: float = 0.0, y: float = 0.0) -> NDArray[np.float64]:
+    """Rotation by `angle` radians, then translation, as a homogeneous matrix."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, x], [s, c, y], [0.0, 0.0, 1.0]])
+
+
+@pytest.fixture
+def wedge() -> palpate.Model:
+    """A quadrilateral without symmetry: faces down, right, up-left and left."""
+    return palpate.Model.polygon([[0, 0], [60, 0], [60, 25], [0, 40]], name="wedge")

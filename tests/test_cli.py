@@ -1,0 +1,303 @@
+"""The command line on good input: what it prints, what it writes, how it ends."""
+
+import json
+import math
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import pose
+from jsonschema import Draft202012Validator
+from referencing import Registry, Resource
+
+import palpate
+from palpate import Contact, Prior
+from palpate.cli import main
+from palpate.contacts import write_contacts
+from palpate.demo import demonstrate
+from palpate.parts import part_names
+
+PALPATE = [sys.executable, "-m", "palpate.cli"]
+
+SCHEMAS = {
+    file.stem: json.loads(file.read_text())
+    for file in (Path(palpate.__file__).parent / "schemas").glob("*.json")
+}
+REGISTRY = Registry().with_resources(
+    (schema["$id"], Resource.from_contents(schema)) for schema in SCHEMAS.values()
+)
+
+BRACKET = [[0, 0], [80, 0], [80, 15], [20, 15], [20, 60], [0, 60]]
+PLATE = [[0, 0], [50, 0], [50, 40], [0, 40]]
+
+
+def validate(document, schema):
+    Draft202012Validator(SCHEMAS[schema], registry=REGISTRY).validate(document)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with two parts and with contacts on two faces of one of them, which lies at a known pose."""
+    monkeypatch.chdir(tmp_path)
+    for name, outer in (("bracket", BRACKET), ("plate", PLATE)):
+        model = {"schema": "palpate-model", "version": 1, "name": name, "unit": "mm", "outer": outer}
+        Path(f"{name}.json").write_text(json.dumps(model))
+    write_contacts("touches.json", touches(), prior=None)
+    write_contacts("touches.csv", touches())
+    return tmp_path
+
+
+def touches():
+    world_from_model = pose(0.5, 30.0, -10.0)
+    rotation, shift = world_from_model[:2, :2], world_from_model[:2, 2]
+    places = [((60, 0), (0, -1)), ((0, 40), (-1, 0))]
+    return [
+        Contact(rotation @ p + shift, rotation @ n, position_error=0.5, normal_error=math.radians(4))
+        for p, n in places
+    ]
+
+
+def run(capsys, *arguments):
+    """Standard output of the command, which must succeed in silence on standard error."""
+    status = main([str(argument) for argument in arguments])
+    out, err = capsys.readouterr()
+    assert (status, err) == (0, "")
+    return out
+
+
+def test_recognize_says_what_was_found(folder, capsys):
+    out = run(capsys, "recognize", "bracket.json", "--contacts", "touches.csv")
+    assert out.startswith("2 contacts, 1 model: it is bracket; ")
+    found = palpate.recognize(palpate.load_models("bracket.json"), touches())
+    rows = [line.split() for line in out.splitlines() if line.split()[1:2] == ["bracket"]]
+    assert len(rows) == len(found.hypotheses)
+    for row, hypothesis in zip(rows, found.hypotheses, strict=True):
+        number, _, interpretations, x, y, angle, turn, shift = row
+        assert int(number) == 1 + found.hypotheses.index(hypothesis)
+        assert int(interpretations) == hypothesis.interpretation_count
+        matrix = hypothesis.world_from_model
+        assert (float(x), float(y)) == pytest.approx(tuple(matrix[:2, 2]), abs=6e-4)
+        assert float(angle) == pytest.approx(math.degrees(math.atan2(matrix[1, 0], matrix[0, 0])), abs=6e-3)
+        # A bound that is printed is rounded up.
+        assert 0.0 <= float(turn) - math.degrees(hypothesis.poses.rotation_bound) <= 0.0101
+        excursion = max(hypothesis.poses.excursion(vertex) for vertex in hypothesis.model.vertices)
+        assert -1e-9 <= float(shift) - excursion <= 0.0101
+
+
+def test_recognize_among_several(folder, capsys):
+    out = run(capsys, "recognize", ".", "--contacts", "touches.csv")
+    assert out.startswith("2 contacts, 2 models: one of bracket, plate; ")
+
+
+def test_recognize_as_json(folder, capsys):
+    arguments = ("recognize", "bracket.json", "plate.json", "--contacts", "touches.json")
+    document = json.loads(run(capsys, *arguments, "--json", "--list-interpretations", "2", "--stats"))
+    validate(document, "recognition-1")
+    assert document["models"] == ["bracket", "plate"]
+    assert document["contact_count"] == 2
+    assert document["conflict"] is None
+    assert len(document["counters"]) == 2
+    models = palpate.load_models(["bracket.json", "plate.json"])
+    found = palpate.recognize(models, touches())
+    assert document["interpretation_count"] == found.interpretation_count
+    for entry, hypothesis in zip(document["hypotheses"], found.hypotheses, strict=True):
+        assert models[entry["model_number"]] == hypothesis.model
+        assert np.array_equal(entry["world_from_model"], hypothesis.world_from_model)
+        assert len(entry["interpretations"]) == min(2, hypothesis.interpretation_count)
+        for listed in entry["interpretations"]:
+            assert len(listed["assignment"]) == 2
+
+
+def test_csv_and_json_contacts_give_the_same(folder, capsys):
+    outs = {
+        run(capsys, "recognize", "bracket.json", "--contacts", f"touches.{kind}") for kind in ("csv", "json")
+    }
+    assert len(outs) == 1
+
+
+def test_interpretations_are_listed_when_asked_for(folder, capsys):
+    without = run(capsys, "recognize", "bracket.json", "--contacts", "touches.csv")
+    out = run(capsys, "recognize", "bracket.json", "--contacts", "touches.csv", "--list-interpretations", "1")
+    assert "on face" not in without
+    assert "\n  1 on face 0, 2 on face 5\n" in out
+
+
+def test_stats_show_the_counters(folder, capsys):
+    out = run(capsys, "recognize", "bracket.json", "plate.json", "--contacts", "touches.csv", "--stats")
+    counters = palpate.recognize(palpate.load_models("."), touches()).counters
+    row = next(line.split() for line in out.splitlines() if line.split()[:1] == ["nodes"])
+    assert row[1:] == [str(counter["nodes"]) for counter in counters]
+
+
+def test_no_part_explains_the_contacts(folder, capsys):
+    Path("far.csv").write_text("x,y,position_error\n0,0,0.1\n30,0,0.1\n1000,0,0.1\n")
+    out = run(capsys, "recognize", "bracket.json", "--contacts", "far.csv")
+    assert out.startswith("3 contacts, 1 model: no part at any pose explains them.\n")
+    assert " can't hold together on any model" in out
+    document = json.loads(run(capsys, "recognize", "bracket.json", "--contacts", "far.csv", "--json"))
+    validate(document, "recognition-1")
+    assert document["hypotheses"] == []
+    assert 2 in document["conflict"]
+
+
+def test_a_search_cut_short_is_said_to_be(folder, capsys):
+    arguments = ("recognize", "bracket.json", "--contacts", "touches.csv", "--max-hypotheses", "1")
+    assert "not all hypotheses were found" in run(capsys, *arguments)
+    assert json.loads(run(capsys, *arguments, "--json"))["complete"] is False
+
+
+def test_a_prior_narrows_the_answer(folder, capsys):
+    arguments = ("recognize", "bracket.json", "--contacts", "touches.csv", "--json")
+    without = json.loads(run(capsys, *arguments))
+    prior = ("--prior-pose", "30,-10,28.6", "--prior-translation", "20", "--prior-rotation-deg", "15")
+    narrowed = json.loads(run(capsys, *arguments, *prior))
+    assert 1 <= len(narrowed["hypotheses"]) < len(without["hypotheses"])
+    for hypothesis in narrowed["hypotheses"]:
+        assert abs(hypothesis["x"] - 30) <= 20
+        assert abs(hypothesis["angle_deg"] - 28.6) <= 15
+
+
+def test_a_prior_on_the_command_line_goes_before_the_file_s(folder, capsys):
+    write_contacts("prior.json", touches(), prior=Prior(np.eye(3), translation=0.1, rotation=0.01))
+    arguments = ("recognize", "bracket.json", "--contacts", "prior.json", "--json")
+    assert json.loads(run(capsys, *arguments))["hypotheses"] == []
+    prior = ("--prior-pose", "30,-10,28.6", "--prior-translation", "20")
+    assert json.loads(run(capsys, *arguments, *prior))["hypotheses"] != []
+
+
+def test_sensor_flags_fill_what_the_file_leaves_out(folder, capsys):
+    (x, y), (nx, ny) = touches()[0].center, touches()[0].normal
+    Path("bare.csv").write_text(f"x,y,nx,ny\n{x!r},{y!r},{nx!r},{ny!r}\n".replace("np.float64", ""))
+    arguments = ("recognize", "bracket.json", "--contacts", "bare.csv", "--position-error", "0.5")
+    assert "1 contact, 1 model" in run(capsys, *arguments, "--normal-error-deg", "4")
+
+
+def test_features_are_chosen(folder, capsys):
+    arguments = (
+        "recognize",
+        "plate.json",
+        "--contacts",
+        "touches.csv",
+        "--json",
+        "--list-interpretations",
+        "50",
+    )
+    for chosen in ("face", "face,vertex"):
+        document = json.loads(run(capsys, *arguments, "--features", chosen))
+        kinds = {
+            kind
+            for hypothesis in document["hypotheses"]
+            for interpretation in hypothesis["interpretations"]
+            for kind, _ in interpretation["assignment"]
+        }
+        assert kinds == set(chosen.split(","))
+
+
+def test_units_are_converted(folder, capsys):
+    arguments = ("recognize", "bracket.json", "--contacts", "touches.json", "--json")
+    in_mm = json.loads(run(capsys, *arguments))
+    in_inches = json.loads(run(capsys, *arguments, "--unit", "in"))
+    assert in_inches["unit"] == "in"
+    assert len(in_inches["hypotheses"]) == len(in_mm["hypotheses"])
+    xs = sorted(hypothesis["x"] for hypothesis in in_mm["hypotheses"])
+    # The pose of largest slack is found by a search, so it may differ by a little of its set.
+    assert sorted(25.4 * hypothesis["x"] for hypothesis in in_inches["hypotheses"]) == pytest.approx(
+        xs, abs=2.0
+    )
+
+
+@pytest.mark.parametrize("extra", [(), ("--plot-range", "1")])
+def test_recognize_draws(folder, capsys, extra):
+    out = run(capsys, "recognize", "bracket.json", "--contacts", "touches.csv", "--plot", "found.svg", *extra)
+    assert out.endswith("picture: found.svg\n")
+    assert "</svg>" in Path("found.svg").read_text()
+
+
+def test_models_prints_and_draws(folder, capsys):
+    out = run(capsys, "models", "bracket.json", "plate.json", "--plot", "models.png")
+    assert "bracket: 6 faces, 6 vertices, closed, size 100 mm" in out
+    assert "symmetries: looks the same turned by 180°" in out
+    assert "vertices that can't be touched: 3" in out
+    assert Path("models.png").stat().st_size > 1000
+
+
+def test_models_as_json(folder, capsys):
+    document = json.loads(run(capsys, "models", "bracket.json", "boot", "--json"))
+    validate(document, "model-report-1")
+    assert [len(model["faces"]) for model in document["models"]] == [6, 13]
+
+
+def test_demo(folder, capsys):
+    out = run(capsys, "demo", "--seed", "3")
+    assert "The true part and pose are in hypothesis " in out
+    assert out.endswith("picture: palpate-demo.svg\n")
+    assert "</svg>" in Path("palpate-demo.svg").read_text()
+
+
+def test_demo_as_json(folder, capsys):
+    document = json.loads(run(capsys, "demo", "--part", "boot", "--out", "boot.png", "--json"))
+    validate(document, "demo-1")
+    assert document["truth"]["model"] == "boot"
+    assert Path("boot.png").is_file()
+
+
+@pytest.mark.parametrize("part", part_names())
+def test_the_demo_finds_the_truth(part):
+    for seed in range(3):
+        shown = demonstrate(part, seed=seed)
+        assert shown.truth_number is not None
+
+
+def test_the_same_seed_gives_the_same_demo(folder, capsys):
+    first, again, other = (run(capsys, "demo", "--json", "--seed", seed) for seed in (1, 1, 2))
+    assert first == again != other
+
+
+@pytest.mark.parametrize("command", ["demo", "recognize", "models"])
+def test_every_command_has_an_example(capsys, command):
+    assert f"Example: palpate {command}" in run(capsys, command, "--help")
+
+
+def test_without_a_command_the_help_is_shown(capsys):
+    assert "Usage: palpate" in run(capsys)
+
+
+def test_the_version_is_the_core_s():
+    shown = subprocess.run([*PALPATE, "--version"], capture_output=True, text=True, check=True)
+    assert (shown.stdout, shown.stderr) == (f"palpate {palpate.__version__}\n", "")
+
+
+def test_a_reader_that_goes_away_is_no_fault(folder):
+    command = " ".join([*PALPATE, "models", "boot", "--json"])
+    shown = subprocess.run(f"{command} | true", shell=True, capture_output=True, text=True, check=False)
+    assert shown.stderr == ""
+
+
+def test_an_interrupt_ends_it_in_silence(folder):
+    # A hundred contacts without a normal on a part of many faces: more than it can do in the time it gets.
+    angles = np.linspace(0.0, 2.0 * math.pi, 400, endpoint=False)
+    wheel = [[50.0 * math.cos(angle), 50.0 * math.sin(angle)] for angle in angles]
+    model = {"schema": "palpate-model", "version": 1, "name": "wheel", "unit": "mm", "outer": wheel}
+    Path("wheel.json").write_text(json.dumps(model))
+    rows = [f"{50.0 * math.cos(angle)},{50.0 * math.sin(angle)}" for angle in angles[::4]]
+    Path("rim.csv").write_text("x,y\n" + "\n".join(rows) + "\n")
+    arguments = ["recognize", "wheel.json", "--contacts", "rim.csv", "--position-error", "2"]
+    code = (
+        f"import sys; from palpate.cli import main; print('ready', flush=True); sys.exit(main({arguments!r}))"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(1.0)
+        process.send_signal(signal.SIGINT)
+        try:
+            out, err = process.communicate(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
+    assert (process.returncode, out, err) == (130, "", "")
