@@ -105,6 +105,8 @@ CASES = [
     (polygon, {"untouchable": [-1]}, "untouchable[0]: must be a whole number, 0 or more (got -1); give an int in range"),
     (polygon, {"untouchable": [1.5]}, "untouchable[0]: must be a whole number, 0 or more (got 1.5); give an int in range"),
     (polygon, {"position_slack": "fine"}, "position_slack: must be a number (got 'fine'); give a single int or float"),
+    (polygon, {"mends": "closed a gap"}, "mends: must be a sequence of texts (got 'closed a gap'); give a list of str"),
+    (polygon, {"mends": [1]}, "mends[0]: must be a text (got 1); give a str"),
     (segments, {"ends": SQUARE}, "segments: must have shape (n, 2, 2), has (4, 2) (got [[0, 0], [10, 0], [10, 10], [0, 10]]); give an array of shape (n, 2, 2)"),
     (segments, {"ends": [[[0, 0, 0], [1, 1, 1]]]}, "segments: must have shape (n, 2, 2), has (1, 2, 3) (got [[[0, 0, 0], [1, 1, 1]]]); only the plane so far: leave z out"),
     (segments, {"seams": ["a"]}, "seams[0]: must be a whole number, 0 or more (got 'a'); give an int in range"),

@@ -58,6 +58,9 @@ def test_polygon():
 def test_mends_are_told():
     assert plate().mends != []  # the hole is given counter-clockwise
     assert palpate.Model.polygon(OUTLINE).mends == []
+    assert plate(mends=["a gap was closed"]).mends == ["a gap was closed", *plate().mends]
+    ends = [[[0, 0], [1, 0]]]
+    assert palpate.Model.segments(ends, mends=("a line was left out",)).mends == ["a line was left out"]
     assert np.array_equal(palpate.Model.polygon(OUTLINE[::-1]).face_normals.sum(axis=0), [0, 0])
 
 
@@ -118,7 +121,7 @@ def test_prior():
 
 # A normal whose length is not a power of two, so that normalizing it twice would show.
 VALUES = [
-    plate(untouchable=[2], position_slack=0.25),
+    plate(untouchable=[2], position_slack=0.25, mends=["a gap was closed"]),
     palpate.Model.segments([[[0, 0], [3, 0]], [[3, 0], [3, 5]]], seams=[1], normal_slack=0.1),
     palpate.Contact((0.1, 0.2), (0.3, 0.7), position_error=0.5, normal_error=0.1, approach=(-0.3, -0.7)),
     palpate.Contact.from_tip((0.1, 0.2), 3, position_error=0.5, start=(0.7, 0.1)),
@@ -208,7 +211,7 @@ def test_hypothesis(wedge):
     assert hypothesis.interpretation_count == len(list(hypothesis.interpretations))
     assert hypothesis.interpretation_count_exact is True
     assert hypothesis.poses.contains(hypothesis.world_from_model)
-    # Both contacts touch exactly at the identity up to a slide that keeps both on their faces: no error, no turn.
+    # Two faces at a right angle fix rotation and translation; the contacts fit exactly at the identity.
     assert hypothesis.world_from_model == pytest.approx(np.eye(3), abs=1e-3)
     assert "wedge" in repr(hypothesis)
 

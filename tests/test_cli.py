@@ -5,7 +5,6 @@ import math
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +53,7 @@ def folder(tmp_path, monkeypatch):
 def touches():
     world_from_model = pose(0.5, 30.0, -10.0)
     rotation, shift = world_from_model[:2, :2], world_from_model[:2, 2]
-    places = [((60, 0), (0, -1)), ((0, 40), (-1, 0))]
+    places = [((30, 0), (0, -1)), ((0, 20), (-1, 0))]
     return [
         Contact(rotation @ p + shift, rotation @ n, position_error=0.5, normal_error=math.radians(4))
         for p, n in places
@@ -165,23 +164,24 @@ def test_a_prior_on_the_command_line_goes_before_the_file_s(folder, capsys):
     write_contacts("prior.json", touches(), prior=Prior(np.eye(3), translation=0.1, rotation=0.01))
     arguments = ("recognize", "bracket.json", "--contacts", "prior.json", "--json")
     assert json.loads(run(capsys, *arguments))["hypotheses"] == []
+    assert "on any model given the prior" in run(capsys, *arguments[:-1])
     prior = ("--prior-pose", "30,-10,28.6", "--prior-translation", "20")
     assert json.loads(run(capsys, *arguments, *prior))["hypotheses"] != []
 
 
 def test_sensor_flags_fill_what_the_file_leaves_out(folder, capsys):
-    (x, y), (nx, ny) = touches()[0].center, touches()[0].normal
-    Path("bare.csv").write_text(f"x,y,nx,ny\n{x!r},{y!r},{nx!r},{ny!r}\n".replace("np.float64", ""))
+    Path("bare.csv").write_text("x,y,nx,ny\n30,-10,0,-1\n")
     arguments = ("recognize", "bracket.json", "--contacts", "bare.csv", "--position-error", "0.5")
     assert "1 contact, 1 model" in run(capsys, *arguments, "--normal-error-deg", "4")
 
 
 def test_features_are_chosen(folder, capsys):
+    Path("bare.csv").write_text("x,y,position_error\n0,0,0.5\n30,20,0.5\n")
     arguments = (
         "recognize",
         "plate.json",
         "--contacts",
-        "touches.csv",
+        "bare.csv",
         "--json",
         "--list-interpretations",
         "50",
@@ -278,22 +278,23 @@ def test_a_reader_that_goes_away_is_no_fault(folder):
 
 
 def test_an_interrupt_ends_it_in_silence(folder):
-    # A hundred contacts without a normal on a part of many faces: more than it can do in the time it gets.
-    angles = np.linspace(0.0, 2.0 * math.pi, 400, endpoint=False)
-    wheel = [[50.0 * math.cos(angle), 50.0 * math.sin(angle)] for angle in angles]
-    model = {"schema": "palpate-model", "version": 1, "name": "wheel", "unit": "mm", "outer": wheel}
-    Path("wheel.json").write_text(json.dumps(model))
-    rows = [f"{50.0 * math.cos(angle)},{50.0 * math.sin(angle)}" for angle in angles[::4]]
-    Path("rim.csv").write_text("x,y\n" + "\n".join(rows) + "\n")
-    arguments = ["recognize", "wheel.json", "--contacts", "rim.csv", "--position-error", "2"]
-    code = (
-        f"import sys; from palpate.cli import main; print('ready', flush=True); sys.exit(main({arguments!r}))"
-    )
+    arguments = ["recognize", "bracket.json", "--contacts", "touches.csv"]
+    code = f"""
+import sys, time
+import palpate.cli.recognize
+from palpate.cli import main
+
+def never_ending(*models_and_contacts, **settings):
+    print("ready", flush=True)
+    time.sleep(1000)
+
+palpate.cli.recognize.recognize_parts = never_ending
+sys.exit(main({arguments!r}))
+"""
     with subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
         assert process.stdout.readline() == "ready\n"
-        time.sleep(1.0)
         process.send_signal(signal.SIGINT)
         try:
             out, err = process.communicate(timeout=10)
@@ -301,3 +302,14 @@ def test_an_interrupt_ends_it_in_silence(folder):
             process.kill()
             raise
     assert (process.returncode, out, err) == (130, "", "")
+
+
+def test_more_interpretations_than_can_be_counted(folder, capsys):
+    angles = np.linspace(0.0, 2.0 * math.pi, 200, endpoint=False)
+    wheel = [[50.0 * math.cos(angle), 50.0 * math.sin(angle)] for angle in angles]
+    model = {"schema": "palpate-model", "version": 1, "name": "wheel", "unit": "mm", "outer": wheel}
+    Path("wheel.json").write_text(json.dumps(model))
+    Path("rim.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in wheel[::4]))
+    out = run(capsys, "recognize", "wheel.json", "--contacts", "rim.csv", "--position-error", "2")
+    assert ": it is wheel; 1 hypothesis, at least " in out
+    assert max(map(len, out.splitlines())) <= 110

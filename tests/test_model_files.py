@@ -243,6 +243,14 @@ def test_open_lines_are_loose_faces_or_left_out(tmp_path):
     assert plate.mends == ["left out: 1 TEXT", "1 open line(s) left out, since there are closed ones"]
 
 
+def test_entities_of_unknown_kinds_are_left_out(tmp_path):
+    path = dxf(tmp_path, lambda s: (s.add_lwpolyline(SQUARE, close=True), s.add_point((1, 1))))
+    path.write_text(path.read_text().replace("\nPOINT\n", "\nGADGET\n"))
+    (model,) = load_models([path])
+    assert len(model.faces) == 4
+    assert model.mends == ["left out: 1 GADGET"]
+
+
 def test_lines_drawn_twice_and_hidden_layers_do_not_count(tmp_path):
     def draw(space):
         space.doc.layers.add("hidden").off()

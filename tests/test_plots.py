@@ -26,7 +26,7 @@ def bracket():
 @pytest.fixture(scope="module")
 def touches():
     rotation, shift = pose(0.5)[:2, :2], np.array([30.0, -10.0])
-    places = [((60, 0), (0, -1)), ((0, 40), (-1, 0))]
+    places = [((30, 0), (0, -1)), ((0, 20), (-1, 0))]
     return [
         Contact(rotation @ p + shift, rotation @ n, position_error=0.5, normal_error=math.radians(4))
         for p, n in places

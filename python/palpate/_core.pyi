@@ -48,6 +48,7 @@ class Model:
         untouchable: Sequence[int] = (),
         position_slack: float = 0.0,
         normal_slack: float = 0.0,
+        mends: Sequence[str] = (),
     ) -> Model:
         """A part bounded by a closed outline, less its holes.
 
@@ -61,6 +62,7 @@ class Model:
             untouchable: Numbers of faces as given that are in the way of a probe but never its answer.
             position_slack: How far the true outline may lie from the faces; added to every contact's position error.
             normal_slack: How far the true normal may turn from the faces'; added to every contact's normal error.
+            mends: What was mended before, as a reader of files does; put before the model's own.
 
         Raises:
             ValueError: Fewer than three distinct points, no area, an outline that crosses or touches itself or a hole,
@@ -77,6 +79,7 @@ class Model:
         untouchable: Sequence[int] = (),
         position_slack: float = 0.0,
         normal_slack: float = 0.0,
+        mends: Sequence[str] = (),
     ) -> Model:
         """A part given by loose faces: it need not be closed (2.1).
 
@@ -87,6 +90,7 @@ class Model:
             untouchable: Numbers of segments that are in the way of a probe but never its answer.
             position_slack: How far the true outline may lie from the faces; added to every contact's position error.
             normal_slack: How far the true normal may turn from the faces'; added to every contact's normal error.
+            mends: What was mended before, as a reader of files does; put before the model's own.
 
         Raises:
             ValueError: No segment that is there, one without length, a number out of range or named as both seam and
@@ -131,7 +135,7 @@ class Model:
         """Added to every contact's normal error; radians."""
     @property
     def mends(self) -> list[str]:
-        """What was mended when it was made, one line each."""
+        """What was mended when it was read and made, one line each."""
     @property
     def size(self) -> float:
         """The largest distance between two of its corners."""

@@ -1,7 +1,7 @@
 """Curves made into chords, with a bound on what that costs.
 
 The bounds are proved, not sampled. An arc of an ellipse is farthest from its chord half-way and turns one way
-only. A rational Bézier curve with positive weights lies in the hull of its control points, and its tangents in
+only. A rational Bézier curve with positive weights lies in the hull of its control points, its tangents in
 the cone of the vectors from each control point to each later one.
 """
 
@@ -64,30 +64,43 @@ def elliptic_arc(
         frame: Center and the two axes, conjugate half-diameters; a circle's are equal and at right angles.
         start: Where it begins, radians.
         sweep: How far it goes on, radians; negative for clockwise, if the axes are counter-clockwise.
-        tolerance: The number of chords is the smallest that keeps it, but for a sixteenth.
+        tolerance: Kept by each chord.
     """
-    center, axis_x, axis_y = frame
-    _check_finite(np.array([*center, *axis_x, *axis_y, start, sweep]))
+    _check_finite(np.concatenate([*frame, [start, sweep]]))
+    _, axis_x, axis_y = frame
+    skew = max(abs(axis_x @ axis_y), abs(axis_x @ axis_x - axis_y @ axis_y))
+    is_circle = skew <= 1e-9 * (axis_x @ axis_x)
     count = max(1, math.ceil(abs(sweep) / (math.pi / 2)))
+    t = start + sweep * np.linspace(0.0, 1.0, count + 1)
     while True:
-        t = start + sweep * np.linspace(0.0, 1.0, count + 1)
-        middle = 0.5 * (t[1:] + t[:-1])
-        points = center + np.outer(np.cos(t), axis_x) + np.outer(np.sin(t), axis_y)
-        rays = np.outer(np.cos(middle), axis_x) + np.outer(np.sin(middle), axis_y)
-        tangents = math.copysign(1.0, sweep) * (np.outer(np.cos(t), axis_y) - np.outer(np.sin(t), axis_x))
-        chords = np.diff(points, axis=0)
-        lengths = np.maximum(np.hypot(*chords.T), np.finfo(float).tiny)
-        # Half-way the curve is at `center + ray`, the chord at `center + cos(half step) ray`.
-        height = 1.0 - math.cos(0.5 * abs(sweep) / count)
-        distance = float(np.max(np.abs(_cross(chords, rays)) / lengths)) * height
-        turn = float(max(np.max(_angles(chords, tangents[:-1])), np.max(_angles(chords, tangents[1:]))))
-        if distance <= tolerance.distance and turn <= tolerance.turn:
+        points, distances, turns = _arc_chords(frame, t)
+        too_long = (distances > tolerance.distance) | (turns > tolerance.turn)
+        if not too_long.any():
             break
-        count += max(1, count // 16)
-        _check_count(count)
+        if is_circle:  # all steps alike: the fewest that do
+            count += max(1, count // 16)
+            t = start + sweep * np.linspace(0.0, 1.0, count + 1)
+        else:
+            t = np.insert(t, np.flatnonzero(too_long) + 1, 0.5 * (t[1:] + t[:-1])[too_long])
+        _check_count(len(t))
     if abs(abs(sweep) - 2.0 * math.pi) < 1e-12:
         points[-1] = points[0]
-    return Piece(points, distance, turn)
+    return Piece(points, float(np.max(distances)), float(np.max(turns)))
+
+
+def _arc_chords(frame: tuple[Array, Array, Array], t: Array) -> tuple[Array, Array, Array]:
+    """Points of the arc at `t`; of each chord, the distance of its arc and the largest angle to tangents."""
+    center, axis_x, axis_y = frame
+    middle, half_step = 0.5 * (t[1:] + t[:-1]), 0.5 * (t[1:] - t[:-1])
+    points = center + np.outer(np.cos(t), axis_x) + np.outer(np.sin(t), axis_y)
+    rays = np.outer(np.cos(middle), axis_x) + np.outer(np.sin(middle), axis_y)
+    tangents = np.sign(half_step[0]) * (np.outer(np.cos(t), axis_y) - np.outer(np.sin(t), axis_x))
+    chords = np.diff(points, axis=0)
+    lengths = np.maximum(np.hypot(*chords.T), np.finfo(float).tiny)
+    # Half-way the arc is at `center + ray`, the chord at `center + cos(half_step) ray`.
+    distances = np.abs(_cross(chords, rays)) / lengths * (1.0 - np.cos(half_step))
+    turns = np.maximum(_angles(chords, tangents[:-1]), _angles(chords, tangents[1:]))
+    return points, distances, turns
 
 
 def bezier(controls: Array, *, tolerance: Tolerance) -> Piece:

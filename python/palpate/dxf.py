@@ -112,7 +112,9 @@ def read_dxf(path: Path, *, mm_per_unit: float, unit: str, tolerance: Tolerance)
     try:
         off = {layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()}
         for entity in document.modelspace():
-            if entity.dxf.layer.lower() in off:
+            # Kinds that the library does not know have no attributes at all.
+            layer = entity.dxf.layer if entity.dxf.is_supported("layer") else "0"
+            if layer.lower() in off:
                 reader.left_out[f"{entity.dxftype()} on a hidden layer"] += 1
             else:
                 reader.read(entity)

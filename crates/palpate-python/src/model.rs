@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use numpy::{PyArray1, PyArray2, PyArray3};
-use palpate::plane::{Model, Surface};
+use palpate::plane::{Mend, Model, Surface};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -31,6 +31,8 @@ struct Recipe {
     untouchable: Vec<usize>,
     position_slack: f64,
     normal_slack: f64,
+    /// Mended by whoever read the file, before the core saw the shape.
+    mends: Vec<String>,
 }
 
 #[derive(Clone)]
@@ -45,6 +47,7 @@ struct Options<'a, 'py> {
     untouchable: Option<&'a Any<'py>>,
     position_slack: Option<&'a Any<'py>>,
     normal_slack: Option<&'a Any<'py>>,
+    mends: Option<&'a Any<'py>>,
 }
 
 impl Options<'_, '_> {
@@ -55,6 +58,7 @@ impl Options<'_, '_> {
             untouchable: numbers("untouchable", self.untouchable)?,
             position_slack: self.position_slack.map_or(Ok(0.0), |slack| number("position_slack", slack))?,
             normal_slack: self.normal_slack.map_or(Ok(0.0), |slack| number("normal_slack", slack))?,
+            mends: self.mends.map_or(Ok(Vec::new()), texts)?,
         }
         .model(py)
     }
@@ -73,7 +77,9 @@ impl Recipe {
                 }
             }
         });
-        Ok(PyModel { model: Arc::new(made.map_err(raise)?), recipe: self })
+        let mut model = made.map_err(raise)?;
+        model.mends.splice(0..0, self.mends.iter().cloned().map(Mend));
+        Ok(PyModel { model: Arc::new(model), recipe: self })
     }
 }
 
@@ -83,6 +89,12 @@ fn numbers(argument: &str, value: Option<&Any<'_>>) -> PyResult<Vec<usize>> {
     let members = members(argument, value, "face numbers", "give a list of int")?;
     let number = |(k, member)| whole(&format!("{argument}[{k}]"), member, 0).map(|number| number as usize);
     members.iter().enumerate().map(number).collect()
+}
+
+/// Notes on what was mended.
+fn texts(value: &Any<'_>) -> PyResult<Vec<String>> {
+    let members = members("mends", value, "texts", "give a list of str")?;
+    members.iter().enumerate().map(|(k, member)| text(&format!("mends[{k}]"), member)).collect()
 }
 
 #[pymethods]
@@ -96,9 +108,10 @@ impl PyModel {
     /// A part bounded by a closed outline, less its holes.
     #[classmethod]
     #[pyo3(
-        signature = (vertices, *, name=None, holes=None, untouchable=None, position_slack=None, normal_slack=None),
-        text_signature = "(vertices, *, name='part', holes=(), untouchable=(), position_slack=0.0, normal_slack=0.0)"
+        signature = (vertices, *, name=None, holes=None, untouchable=None, position_slack=None, normal_slack=None, mends=None),
+        text_signature = "(vertices, *, name='part', holes=(), untouchable=(), position_slack=0.0, normal_slack=0.0, mends=())"
     )]
+    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn polygon(
         class: &Bound<'_, PyType>,
         vertices: &Any<'_>,
@@ -107,6 +120,7 @@ impl PyModel {
         untouchable: Option<&Any<'_>>,
         position_slack: Option<&Any<'_>>,
         normal_slack: Option<&Any<'_>>,
+        mends: Option<&Any<'_>>,
     ) -> PyResult<Self> {
         let vertices = vectors("vertices", vertices)?;
         let holes = holes.map_or(Ok(Vec::new()), |holes| {
@@ -114,16 +128,17 @@ impl PyModel {
         })?;
         let hole = |(k, hole)| vectors(&format!("holes[{k}]"), hole);
         let holes = holes.iter().enumerate().map(hole).collect::<PyResult<_>>()?;
-        Options { name, untouchable, position_slack, normal_slack }
+        Options { name, untouchable, position_slack, normal_slack, mends }
             .model(class.py(), Shape::Polygon { vertices, holes })
     }
 
     /// A part given by loose faces, each with its outward normal on the right of its direction.
     #[classmethod]
     #[pyo3(
-        signature = (segments, *, name=None, seams=None, untouchable=None, position_slack=None, normal_slack=None),
-        text_signature = "(segments, *, name='part', seams=(), untouchable=(), position_slack=0.0, normal_slack=0.0)"
+        signature = (segments, *, name=None, seams=None, untouchable=None, position_slack=None, normal_slack=None, mends=None),
+        text_signature = "(segments, *, name='part', seams=(), untouchable=(), position_slack=0.0, normal_slack=0.0, mends=())"
     )]
+    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
     fn segments(
         class: &Bound<'_, PyType>,
         segments: &Any<'_>,
@@ -132,12 +147,13 @@ impl PyModel {
         untouchable: Option<&Any<'_>>,
         position_slack: Option<&Any<'_>>,
         normal_slack: Option<&Any<'_>>,
+        mends: Option<&Any<'_>>,
     ) -> PyResult<Self> {
         let shape = Shape::Segments {
             segments: convert::segments("segments", segments)?,
             seams: numbers("seams", seams)?,
         };
-        Options { name, untouchable, position_slack, normal_slack }.model(class.py(), shape)
+        Options { name, untouchable, position_slack, normal_slack, mends }.model(class.py(), shape)
     }
 
     #[getter]
@@ -249,14 +265,8 @@ impl PyModel {
                 (false, segments.into_iter().map(|ends| pairs(ends.to_vec())).collect(), seams)
             }
         };
-        let state = (
-            closed,
-            loops,
-            seams,
-            recipe.name,
-            recipe.untouchable,
-            (recipe.position_slack, recipe.normal_slack),
-        );
+        let Recipe { name, untouchable, position_slack, normal_slack, mends, .. } = recipe;
+        let state = (closed, loops, seams, (name, untouchable, position_slack, normal_slack, mends));
         Ok((restore::<Self>(py)?, state))
     }
 
@@ -267,9 +277,7 @@ impl PyModel {
         closed: bool,
         loops: Vec<Vec<Pair>>,
         seams: Vec<usize>,
-        name: String,
-        untouchable: Vec<usize>,
-        slacks: Pair,
+        options: OptionsState,
     ) -> PyResult<Self> {
         let mut loops =
             loops.into_iter().map(|points| points.into_iter().map(DVec2::from).collect::<Vec<_>>());
@@ -278,13 +286,16 @@ impl PyModel {
         } else {
             Shape::Segments { segments: loops.map(|ends| [ends[0], ends[1]]).collect(), seams }
         };
-        let (position_slack, normal_slack) = slacks;
-        Recipe { shape, name, untouchable, position_slack, normal_slack }.model(class.py())
+        let (name, untouchable, position_slack, normal_slack, mends) = options;
+        Recipe { shape, name, untouchable, position_slack, normal_slack, mends }.model(class.py())
     }
 }
 
-/// Closed, loops or segments, seams, name, untouchable, slacks of position and normal.
-type ModelState = (bool, Vec<Vec<Pair>>, Vec<usize>, String, Vec<usize>, Pair);
+/// Closed, loops or segments, seams, and the rest of the recipe.
+type ModelState = (bool, Vec<Vec<Pair>>, Vec<usize>, OptionsState);
+
+/// Name, untouchable, position slack, normal slack, mends.
+type OptionsState = (String, Vec<usize>, f64, f64, Vec<String>);
 
 /// What a face is to a probe, as Python says it.
 fn surface_name(surface: Surface) -> &'static str {

@@ -35,7 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain(error.format_message())
         return BAD_INPUT
     except OSError as error:
-        complain(f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error))
+        problem = error.strerror or str(error)
+        complain(f"{error.filename}: {problem}" if error.filename else problem)
         return BAD_INPUT
     except ValueError as error:
         complain(str(error))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import threading
@@ -17,6 +18,8 @@ Result = TypeVar("Result")
 
 def results() -> Console:
     """For results: stdout. In colour on a terminal, plain text and never wrapped elsewhere."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a ° that an old terminal can't show is no reason to fail
     console = Console(highlight=False)
     if not console.is_terminal:
         console.width = 110

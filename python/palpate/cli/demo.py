@@ -14,7 +14,7 @@ from palpate.cli import options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import planar, print_document, recognition_document
 from palpate.cli.report import print_recognition
-from palpate.contacts import contacts_document
+from palpate.contacts import Evidence, contacts_document
 from palpate.demo import DEFAULT_PART, Demonstration, demonstrate
 
 
@@ -57,7 +57,11 @@ def _print(shown: Demonstration, out: Path) -> None:
     for number, contact in enumerate(shown.contacts, start=1):
         console.print(f"  touch {number} {_touch(contact, unit=shown.unit)}")
     print_recognition(
-        console, shown.found, num_contacts=len(shown.contacts), num_models=len(shown.models), unit=shown.unit
+        console,
+        shown.found,
+        evidence=Evidence(shown.contacts),
+        num_models=len(shown.models),
+        unit=shown.unit,
     )
     if shown.truth_number is None:
         console.print(

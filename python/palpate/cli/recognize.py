@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -79,7 +80,7 @@ def recognize(
     print_recognition(
         console,
         found,
-        num_contacts=num_contacts,
+        evidence=replace(evidence, prior=prior),
         num_models=len(parts),
         unit=unit,
         num_listed=list_interpretations,

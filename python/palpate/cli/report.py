@@ -15,6 +15,7 @@ from rich.table import Table
 
 from palpate import Hypothesis, Model, Recognition
 from palpate.cli.documents import excursion_bound, planar
+from palpate.contacts import Evidence
 
 MOST_ROWS = 40
 
@@ -23,37 +24,29 @@ def print_recognition(
     console: Console,
     found: Recognition,
     *,
-    num_contacts: int,
+    evidence: Evidence,
     num_models: int,
     unit: str,
     num_listed: int = 0,
 ) -> None:
     """What was found: a sentence, a table of hypotheses, and what the reader must know to trust it."""
-    evidence = f"{_count(num_contacts, 'contact')}, {_count(num_models, 'model')}"
-    if not found.hypotheses:
-        console.print(f"{evidence}: [bold]no part at any pose explains them.[/bold]")
-        console.print(conflict_sentence(found.conflict, num_contacts))
-        return
-    parts = list(dict.fromkeys(hypothesis.model.name for hypothesis in found.hypotheses))
-    interpretations = _at_least(found.interpretation_count, found.interpretation_count_exact)
-    counts = f"{_count(len(found.hypotheses), 'hypothesis')}, {interpretations} in all"
-    verdict = (
-        f"it is [bold]{escape(parts[0])}[/bold]" if len(parts) == 1 else f"one of {escape(', '.join(parts))}"
-    )
+    given = f"{_count(len(evidence.contacts), 'contact')}, {_count(num_models, 'model')}"
+    console.print(f"{given}: {_verdict(found)}")
     if not found.complete:
-        console.print(f"{evidence}: [bold]not all hypotheses were found[/bold]; {counts} so far.")
         console.print(
-            "More parts or poses may explain the contacts: raise --max-hypotheses, or give a prior."
+            "Other parts or poses may explain the contacts: raise --max-hypotheses, or give a prior."
         )
-    else:
-        console.print(f"{evidence}: {verdict}; {counts}.")
+    if not found.hypotheses:
+        if found.conflict is not None:
+            console.print(conflict_sentence(found.conflict, evidence))
+        return
     console.print(_hypothesis_table(found.hypotheses[:MOST_ROWS]))
     if len(found.hypotheses) > MOST_ROWS:
         console.print(f"... and {len(found.hypotheses) - MOST_ROWS} more; --json lists all of them.")
     console.print(
-        f"x, y, shift in {unit}, angles in degrees. No two poses of one hypothesis differ by more than"
+        f"x, y, shift in {unit}, angles in degrees. Turn, shift: no two poses of one hypothesis differ "
+        "by more; the shift is that of any vertex of the part."
     )
-    console.print("its turn; none of its vertices is further apart in them than its shift.")
     if any(hypothesis.marginal for hypothesis in found.hypotheses):
         console.print("* marginal: holds only within the tolerance of the search.")
     for number, hypothesis in enumerate(found.hypotheses[: MOST_ROWS if num_listed else 0], start=1):
@@ -91,16 +84,35 @@ def print_models(console: Console, models: Sequence[Model], *, unit: str) -> Non
             console.print(f"  ... and {len(model.faces) - MOST_ROWS} more faces; --json lists all of them.")
 
 
-def conflict_sentence(conflict: Sequence[int] | None, num_contacts: int) -> str:
+def conflict_sentence(conflict: Sequence[int], evidence: Evidence) -> str:
     """The conflict in words, contacts counted from 1."""
-    if not conflict:
-        return "The misses or the prior exclude every pose that the contacts allow."
+    beside = [
+        words
+        for words, there in (("the misses", evidence.misses), ("the prior", evidence.prior is not None))
+        if there
+    ]
+    given = f" given {' and '.join(beside)}" if beside else ""
     numbers = [str(index + 1) for index in conflict]
+    if not numbers:
+        return f"No model at any pose is possible{given}, whatever was touched."
     if len(numbers) == 1:
-        return f"Contact {numbers[0]} can't hold on any model, even alone."
+        return f"Contact {numbers[0]} can't hold on any model{given}, even alone."
     which = ", ".join(numbers[:-1]) + " and " + numbers[-1]
-    rest = "" if len(numbers) == num_contacts else "; the others are not needed for that"
-    return f"Contacts {which} can't hold together on any model{rest}."
+    rest = "" if len(numbers) == len(evidence.contacts) else "; the others are not needed for that"
+    return f"Contacts {which} can't hold together on any model{given}{rest}."
+
+
+def _verdict(found: Recognition) -> str:
+    parts = list(dict.fromkeys(hypothesis.model.name for hypothesis in found.hypotheses))
+    interpretations = _at_least(found.interpretation_count, found.interpretation_count_exact)
+    counts = f"{_count(len(found.hypotheses), 'hypothesis')}, {interpretations} in all"
+    if not found.complete:
+        return f"[bold]not all hypotheses were found[/bold]; {counts} so far."
+    if not parts:
+        return "[bold]no part at any pose explains them.[/bold]"
+    if len(parts) == 1:
+        return f"it is [bold]{escape(parts[0])}[/bold]; {counts}."
+    return f"one of {escape(', '.join(parts))}; {counts}."
 
 
 def _hypothesis_table(hypotheses: Sequence[Hypothesis]) -> Table:
@@ -169,11 +181,17 @@ def _count(number: int, noun: str) -> str:
 
 
 def _at_least(number: int, exact: bool) -> str:
-    return f"{'' if exact else 'at least '}{_count(number, 'interpretation')}"
+    return _count(number, "interpretation") if exact else f"at least {_truncated(number)} interpretations"
 
 
 def _at_least_number(number: int, exact: bool) -> str:
-    return f"{number}" if exact else f"≥ {number}"
+    return f"{number}" if exact else f"≥ {_truncated(number)}"
+
+
+def _truncated(number: int) -> str:
+    """A lower bound in few digits: still one, and shorter."""
+    digits = str(number)
+    return digits if len(digits) <= 7 else f"{digits[0]}.{digits[1]}e{len(digits) - 1}"
 
 
 def _decimal(value: float) -> str:

@@ -130,7 +130,8 @@ def plot_models(models: Sequence[Model], *, unit: str = "mm") -> Figure:
         frames = _frames_of(models)
         cell = 6.5 if len(models) == 1 else 4.2
         aspect = max(float((high - low)[1] / (high - low)[0]) for low, high in frames)
-        figure = new_figure((cell * num_columns, cell * min(1.5, aspect) * num_rows + 0.6 * num_rows))
+        # The axes of a cell leave 0.6 inches for numbers at the left, 0.8 for the title and numbers below.
+        figure = new_figure((cell * num_columns, ((cell - 0.6) * min(1.5, aspect) + 0.8) * num_rows))
         for index, model in enumerate(models):
             axes = figure.add_subplot(num_rows, num_columns, index + 1)
             _draw_labelled(axes, model, color=part_style(index)[0])
@@ -155,15 +156,14 @@ def _frames_of(models: Sequence[Model]) -> list[tuple[Array, Array]]:
 def _draw_labelled(axes: Axes, model: Model, *, color: str) -> None:
     draw_model(axes, model, np.eye(3), color=color, fill=0.12, width=1.5)
     tick = 0.035 * model.size
-    for index, (face, normal) in enumerate(zip(model.faces, model.face_normals, strict=True)):
-        if len(model.faces) > MOST_NUMBERED or model.face_surfaces[index] == "seam":
-            continue
-        middle = face.mean(axis=0)
-        axes.plot(*np.array([middle, middle + tick * normal]).T, color=color, lw=0.9)
-        inside = middle - 1.1 * tick * normal
-        axes.text(
-            *inside, str(index), ha="center", va="center", fontsize=7.5, color="#333333", path_effects=HALO
-        )
+    numbered = [k for k, surface in enumerate(model.face_surfaces) if surface != "seam"]
+    if len(numbered) <= MOST_NUMBERED:
+        for index, place in zip(numbered, _face_number_places(model, numbered, tick=tick), strict=True):
+            middle = model.faces[index].mean(axis=0)
+            axes.plot(*np.array([middle, middle + tick * model.face_normals[index]]).T, color=color, lw=0.9)
+            axes.text(
+                *place, str(index), ha="center", va="center", fontsize=7, color="#333333", path_effects=HALO
+            )
     touchable = np.asarray(model.touchable_vertices, dtype=bool)
     for chosen, fill in ((touchable, color), (~touchable, "white")):
         axes.plot(
@@ -172,6 +172,39 @@ def _draw_labelled(axes: Axes, model: Model, *, color: str) -> None:
     turns = len(model.symmetries)
     also = f", {turns} symmetries" if turns > 1 else ""
     axes.set_title(f"{model.name}: {len(model.faces)} faces{also}")
+
+
+def _face_number_places(model: Model, numbered: Sequence[int], *, tick: float) -> list[Array]:
+    """Where each face gets its number: inside the part or beyond its normal, where there is room."""
+    starts, ends = (np.array([face[end] for face in model.faces]) for end in (0, 1))
+    places: list[Array] = []
+    for index in numbered:
+        # Inside at the middle; inside nearer to an end, where a narrow part has another number at the middle;
+        # beyond the normal.
+        candidates = [
+            starts[index]
+            + share * (ends[index] - starts[index])
+            + distance * tick * model.face_normals[index]
+            for distance, share in ((-1.0, 0.5), (-1.0, 0.3), (-1.0, 0.7), (1.8, 0.5), (1.8, 0.3), (1.8, 0.7))
+        ]
+        rooms: list[float] = []
+        for place in candidates:
+            to_faces = _distances(place, starts, ends)
+            to_faces[index] = np.inf
+            to_places = [1.5 * tick, *(0.6 * math.dist(place, other) for other in places)]
+            rooms.append(min(float(to_faces.min()), *to_places))
+        # The first candidate that has all the room a number needs, else the one that has most.
+        enough = [place for place, room in zip(candidates, rooms, strict=True) if room >= 0.8 * tick]
+        places.append(enough[0] if enough else candidates[int(np.argmax(rooms))])
+    return places
+
+
+def _distances(point: Array, starts: Array, ends: Array) -> Array:
+    """Distance of `point` from each of the segments `starts[k]` to `ends[k]`."""
+    along = ends - starts
+    share = np.sum((point - starts) * along, axis=1) / np.sum(along * along, axis=1)
+    nearest = starts + np.clip(share, 0.0, 1.0)[:, None] * along
+    return np.hypot(*(point - nearest).T)
 
 
 def _spike_for(corners: Sequence[Array], contacts: Sequence[Contact]) -> float:
@@ -205,6 +238,8 @@ def _number_places(corners: Sequence[Array], centers: Sequence[Array]) -> list[A
 def _recognition_title(found: Recognition) -> str:
     count = len(found.hypotheses)
     if not count:
+        if not found.complete:
+            return "the search was cut short: no hypothesis so far"
         if not found.conflict:
             return "no model explains the contacts"
         return f"no model explains the contacts: {words([k + 1 for k in found.conflict])} can't hold together"

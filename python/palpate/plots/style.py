@@ -51,7 +51,7 @@ def new_figure(shape: tuple[float, float]) -> Figure:
 def frame_of(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Opposite corners of a frame around `points` `(n, 2)`, with a margin."""
     low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.06 * max(float((high - low).max()), 1e-9)
+    margin = 0.06 * float((high - low).max()) or 1.0  # a single point gets a frame too
     return low - margin, high + margin
 
 

@@ -35,25 +35,37 @@ pub(crate) struct Conditions<'a> {
     pub sites: Vec<(usize, Site)>,
     /// The rotations that normals and prior leave, widened by the tolerance.
     pub rotations: Vec<Arc>,
+    /// Added to every bound: nothing where a certificate is sought that no pose is valid, τ where every pose that is
+    /// valid up to τ must be enclosed.
+    pub slack: f64,
 }
 
 impl<'a> Conditions<'a> {
     /// That contact `i` lies on feature `f`, for each pair; `None` if normals and prior leave no rotation.
     pub fn new(case: &'a Case, pairs: impl Iterator<Item = (usize, Feature)>) -> Option<Self> {
+        let sites: Option<Vec<_>> =
+            pairs.map(|(contact, feature)| Some((contact, case.site(contact, feature)?))).collect();
+        Self::with_slack(case, sites?, 0.0, case.angle_tolerance)
+    }
+
+    /// The same conditions with every bound enlarged by τ.
+    pub fn relaxed(&self) -> Option<Self> {
+        let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
+        Self::with_slack(self.case, self.sites.clone(), length, angle)
+    }
+
+    fn with_slack(case: &'a Case, sites: Vec<(usize, Site)>, slack: f64, angle: f64) -> Option<Self> {
         let mut rotations = vec![case.prior.map_or(Arc::FULL, |prior| {
-            Arc::around(prior.world_from_model.angle(), prior.rotation).widen(case.angle_tolerance)
+            Arc::around(prior.world_from_model.angle(), prior.rotation).widen(angle)
         })];
-        let mut sites = Vec::new();
-        for (contact, feature) in pairs {
-            let site = case.site(contact, feature)?;
-            let own = case.rotations(contact, &site, case.angle_tolerance);
+        for (contact, site) in &sites {
+            let own = case.rotations(*contact, site, angle);
             rotations = rotations.iter().flat_map(|arc| arc.intersect(own)).collect();
             if rotations.is_empty() {
                 return None;
             }
-            sites.push((contact, site));
         }
-        Some(Self { case, sites, rotations })
+        Some(Self { case, sites, rotations, slack })
     }
 
     /// Whether the pose satisfies all of them, bounds enlarged by `length` and `angle`.
@@ -155,15 +167,15 @@ impl Cell {
         let (low, high) = (self.y_low - outward, self.y_high + outward);
         self.polytope = Polytope::boxed([-reach, low.x, low.y], [reach, high.x, high.y]);
         for (contact, site) in &conditions.sites {
-            let Some(site) = self.restrict(conditions.case, *contact, site) else { return false };
+            let Some(site) = self.restrict(conditions, *contact, site) else { return false };
             for direction in site.directions() {
-                self.cut(conditions.case, *contact, &site, direction);
+                self.cut(conditions, *contact, &site, direction);
             }
             if self.polytope.is_empty() {
                 return false;
             }
         }
-        self.cut_prior(conditions.case);
+        self.cut_prior(conditions);
         self.shrink_to_polytope(conditions.case)
     }
 
@@ -175,7 +187,8 @@ impl Cell {
             let datum = &conditions.case.data[*contact];
             let (middle, half) = site.bounds();
             let middle = middle - turn.rotate(datum.lever);
-            let slack = datum.bound + chord * datum.lever.length() + conditions.case.outward();
+            let slack =
+                datum.bound + conditions.slack + chord * datum.lever.length() + conditions.case.outward();
             self.y_low = self.y_low.max(middle - half - slack);
             self.y_high = self.y_high.min(middle + half + slack);
         }
@@ -183,18 +196,20 @@ impl Cell {
     }
 
     /// The part of a site that contact `i` can reach within the cell; `None` if it can reach none of it.
-    fn restrict(&self, case: &Case, contact: usize, site: &Site) -> Option<Site> {
+    fn restrict(&self, conditions: &Conditions<'_>, contact: usize, site: &Site) -> Option<Site> {
+        let case = conditions.case;
         let Site::Arc { middle, radius, .. } = *site else { return Some(*site) };
         if radius == 0.0 {
             return Some(*site);
         }
         let datum = &case.data[contact];
-        let allowed =
-            datum.normals.map(|normals| normals.widen(self.half + case.angle_tolerance).turn(-self.mid));
+        let allowed = datum
+            .normals
+            .map(|normals| normals.widen(self.half + 2.0 * case.angle_tolerance).turn(-self.mid));
         let site = site.restrict_hull(allowed)?;
         // Seen from the vertex, the true centre of the tip lies within `spread` of the middle's place.
         let offset = self.y_mid() + DVec2::from_angle(-self.mid).rotate(datum.lever) - middle;
-        let spread = self.motion(datum.lever.length()) + datum.bound + case.outward();
+        let spread = self.motion(datum.lever.length()) + datum.bound + conditions.slack + case.outward();
         let sector = (spread < offset.length()).then(|| {
             Arc::around(offset.to_angle(), (spread / offset.length()).asin() + case.angle_tolerance)
         });
@@ -205,20 +220,22 @@ impl Cell {
     }
 
     /// Cuts with the tangent of contact `i`'s site, grown by its bound, that has the outward normal `direction`.
-    pub fn cut(&mut self, case: &Case, contact: usize, site: &Site, direction: DVec2) {
+    fn cut(&mut self, conditions: &Conditions<'_>, contact: usize, site: &Site, direction: DVec2) {
+        let case = conditions.case;
         let datum = &case.data[contact];
         let arm = DVec2::from_angle(-self.mid).rotate(datum.lever);
         let (middle, spread) = self.cosine();
         let along = direction.dot(arm);
         let normal = [-direction.dot(arm.perp()), direction.x, direction.y];
-        let offset =
-            site.support(direction) + datum.bound - middle * along + spread * along.abs() + case.outward();
+        let reach = site.support(direction) + datum.bound + conditions.slack;
+        let offset = reach - middle * along + spread * along.abs() + case.outward();
         self.polytope.cut(&HalfSpace { normal, offset }, case.scale);
     }
 
     /// Cuts with the box of translations. The condition is bilinear in (s, y): its product of deviations from the
     /// middle of the box is bounded, the rest is linear.
-    fn cut_prior(&mut self, case: &Case) {
+    fn cut_prior(&mut self, conditions: &Conditions<'_>) {
+        let case = conditions.case;
         let Some(prior) = case.prior else { return };
         let turn = DVec2::from_angle(-self.mid);
         let (middle, spread) = self.cosine();
@@ -229,7 +246,10 @@ impl Cell {
             let inner = turn.rotate(axis);
             let across = inner.perp();
             let largest = inner.dot(self.y_mid()).abs() + inner.abs().dot(half);
-            let slack = spread * largest + self.half.sin() * across.abs().dot(half) + case.outward();
+            let slack = conditions.slack
+                + spread * largest
+                + self.half.sin() * across.abs().dot(half)
+                + case.outward();
             let normal = [across.dot(self.y_mid()), -middle * inner.x, -middle * inner.y];
             self.polytope.cut(&HalfSpace { normal, offset: bound + slack }, case.scale);
         }
@@ -250,7 +270,7 @@ impl Cell {
     pub fn trim(&mut self, conditions: &Conditions<'_>, share: f64) -> bool {
         let (middle, _) = self.cosine();
         for (contact, site) in &conditions.sites {
-            let Some(site) = self.restrict(conditions.case, *contact, site) else { return false };
+            let Some(site) = self.restrict(conditions, *contact, site) else { return false };
             let datum = &conditions.case.data[*contact];
             let arm = DVec2::from_angle(-self.mid).rotate(datum.lever);
             let mut directions = ArrayVec::<DVec2, 128>::new();
@@ -264,7 +284,7 @@ impl Cell {
                 }
             }
             for direction in directions {
-                self.cut(conditions.case, *contact, &site, direction);
+                self.cut(conditions, *contact, &site, direction);
             }
         }
         self.shrink_to_polytope(conditions.case)
@@ -275,7 +295,7 @@ impl Cell {
         let case = conditions.case;
         let mut worst: Option<(f64, usize, Site, DVec2)> = None;
         for (contact, site) in &conditions.sites {
-            let Some(site) = self.restrict(case, *contact, site) else { return false };
+            let Some(site) = self.restrict(conditions, *contact, site) else { return false };
             let x = case.place(*contact, pose);
             let outside = x - site.nearest(x);
             let excess = outside.length() - case.data[*contact].bound;
@@ -286,7 +306,7 @@ impl Cell {
         if let Some((_, contact, site, outside)) = worst
             && let Some(direction) = outside.try_normalize()
         {
-            self.cut(case, contact, &site, direction);
+            self.cut(conditions, contact, &site, direction);
         }
         self.shrink_to_polytope(case)
     }

@@ -40,9 +40,10 @@ pub(crate) fn witness(conditions: &Conditions<'_>) -> Option<Witness> {
 
 /// All poses.
 pub(crate) fn solve(conditions: &Conditions<'_>) -> Option<Solution> {
-    let cells = first_cells(conditions);
-    let witness = search(conditions, cells.clone())?;
-    Some(Solution { cells: enclose(conditions, cells), witness })
+    let witness = witness(conditions)?;
+    let relaxed = conditions.relaxed()?;
+    let cells = first_cells(&relaxed);
+    Some(Solution { cells: enclose(&relaxed, cells), witness })
 }
 
 /// The rotations that are left, in cells, contracted.
@@ -119,7 +120,7 @@ fn split(conditions: &Conditions<'_>, cell: &Cell, reach: f64) -> [Cell; 2] {
 /// Whether free space excludes every pose of the cell.
 fn excluded(conditions: &Conditions<'_>, cell: &Cell) -> bool {
     conditions.case.sweeps.iter().any(|sweep| {
-        let motion = cell.motion(sweep.reach());
+        let motion = cell.motion(sweep.reach()) + conditions.slack;
         let middle = PivotPose { angle: cell.mid, y: cell.y_mid() };
         motion.is_finite() && sweep.intrudes(&conditions.case.model, middle, -motion)
     })
