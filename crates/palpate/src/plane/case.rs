@@ -41,6 +41,11 @@ pub(crate) struct Datum {
 }
 
 impl Datum {
+    /// The sensed normals: the reading and its bound.
+    pub fn sensed(&self) -> Option<Arc> {
+        self.sensed
+    }
+
     /// The same datum with the bounds of its reading multiplied by `share`.
     fn scaled(self, share: f64) -> Self {
         let sensed = self.sensed.map(|sensed| Arc::around(sensed.middle(), share * sensed.half_width()));

@@ -5,7 +5,6 @@
 //! `u·(y + R(−θ)c) ≤ b` implies `u·y − s u·Ja ≤ b − μ u·a + ρ|u·a|`: linear in (s, y), and loose by no more than
 //! `2ρ|a| ≈ h²|a|/2`. (P3 of MATH 2.1.1 is loose by `h|a|`; the second order is what makes few cells tight.)
 
-use arrayvec::ArrayVec;
 use glam::{DVec2, dvec2};
 
 use super::arc::{Arc, wrap};
@@ -273,7 +272,7 @@ impl Cell {
             let Some(site) = self.restrict(conditions, *contact, site) else { return false };
             let datum = &conditions.case.data[*contact];
             let arm = DVec2::from_angle(-self.mid).rotate(datum.lever);
-            let mut directions = ArrayVec::<DVec2, 128>::new();
+            let mut directions = Vec::new();
             for (s, y) in self.corners() {
                 let x = y + middle * arm - s * arm.perp();
                 let outside = x - site.nearest(x);

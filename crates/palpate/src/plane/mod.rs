@@ -18,11 +18,13 @@ mod solve;
 mod subdivide;
 mod symmetry;
 mod tables;
+mod thesis;
 
 pub use arc::Arc;
 pub use model::{Face, Mend, Model, Surface, Symmetry, Vertex};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
+pub use thesis::ThesisPose;
 
 pub(crate) use case::Case;
 pub(crate) use hypotheses::{Explanations, explain};

@@ -12,6 +12,7 @@ use super::cell::{Cell, Conditions};
 use super::pose::Pose;
 use super::region::{self, DIRECTIONS};
 use super::solve::{self, Witness};
+use super::thesis::ThesisPose;
 use crate::feature::Feature;
 use crate::hypothesis::Count;
 
@@ -213,6 +214,13 @@ impl PoseSet {
         witness
     }
 
+    /// The thesis's own pose and bounds of its first assignment; `None` where they are not defined: contacts on vertices
+    /// or without normals, all faces parallel.
+    #[must_use]
+    pub fn thesis_pose(&self) -> Option<ThesisPose> {
+        ThesisPose::new(&self.case, &self.assignments().next()?)
+    }
+
     /// The poses of one of its assignments, alone.
     pub(crate) fn of_assignment(&self, assignment: &[Feature]) -> Self {
         let single = |piece: &&Piece| {
@@ -360,16 +368,18 @@ fn merge(arcs: Vec<Arc>) -> Vec<Arc> {
 }
 
 fn random_pose(cell: &Cell, random: &mut fastrand::Rng) -> PivotPose {
-    let corners = cell.corners();
-    if corners.len() == 0 {
+    let corners: arrayvec::ArrayVec<(f64, DVec2), 128> = cell.corners().take(128).collect();
+    if corners.is_empty() {
         let mut side = || 2.0 * random.f64() - 1.0;
         let angle = cell.mid + cell.half * side();
         let y = cell.y_mid() + cell.y_half() * DVec2::new(side(), side());
         return PivotPose { angle, y };
     }
+    // Every point is a mixture of four corners (Carathéodory); of all of them, mixtures crowd in the middle.
     let mut total = 0.0;
     let (mut s, mut y) = (0.0, DVec2::ZERO);
-    for (corner_s, corner_y) in corners {
+    for _ in 0..4 {
+        let (corner_s, corner_y) = corners[random.usize(0..corners.len())];
         let weight = -(1.0 - random.f64()).ln();
         total += weight;
         s += weight * corner_s;

@@ -46,19 +46,24 @@ pub(crate) fn polygon(supports: &[f64; DIRECTIONS]) -> Vec<DVec2> {
     let mut corners =
         vec![dvec2(-reach, -reach), dvec2(reach, -reach), dvec2(reach, reach), dvec2(-reach, reach)];
     for (k, support) in supports.iter().enumerate() {
-        let height = |corner: DVec2| direction(k).dot(corner) - support;
-        let mut kept = Vec::with_capacity(corners.len() + 1);
-        for (at, &corner) in corners.iter().enumerate() {
-            let next = corners[(at + 1) % corners.len()];
-            let (here, there) = (height(corner), height(next));
-            if here <= 0.0 {
-                kept.push(corner);
-            }
-            if (here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0) {
-                kept.push(corner + (next - corner) * (here / (here - there)));
-            }
-        }
-        corners = kept;
+        corners = clip(&corners, direction(k), *support);
     }
     corners
+}
+
+/// The part of a convex polygon in which `normal·p <= offset`.
+pub(crate) fn clip(corners: &[DVec2], normal: DVec2, offset: f64) -> Vec<DVec2> {
+    let height = |corner: DVec2| normal.dot(corner) - offset;
+    let mut kept = Vec::with_capacity(corners.len() + 1);
+    for (at, &corner) in corners.iter().enumerate() {
+        let next = corners[(at + 1) % corners.len()];
+        let (here, there) = (height(corner), height(next));
+        if here <= 0.0 {
+            kept.push(corner);
+        }
+        if (here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0) {
+            kept.push(corner + (next - corner) * (here / (here - there)));
+        }
+    }
+    kept
 }
