@@ -82,7 +82,7 @@ clean: ## remove what was built, .venv included
 
 .venv/.cargo: | .venv/.tools
 	@command -v cargo >/dev/null || \
-		{ echo "palpate needs Rust 1.85 or newer and cargo is missing: install it (https://rustup.rs), then run make again" >&2; exit 1; }
+		{ echo "palpate needs Rust 1.88 or newer and cargo is missing: install it with rustup, then run make again" >&2; exit 1; }
 	@touch $@
 
 .venv/.built: pyproject.toml $(RUST) | .venv/.tools .venv/.cargo

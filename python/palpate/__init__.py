@@ -18,6 +18,7 @@ from ._core import Model as Model
 from ._core import PoseSet as PoseSet
 from ._core import Prior as Prior
 from ._core import Recognition as Recognition
+from ._core import ThesisPose as ThesisPose
 from ._core import __version__ as __version__
 from ._core import recognize as recognize
 from .contacts import Evidence as Evidence
@@ -27,6 +28,7 @@ from .models import bundled_parts as bundled_parts
 from .models import load_models as load_models
 from .models import save_model as save_model
 from .parts import part_names as part_names
+from .parts import standard_contacts as standard_contacts
 
 if TYPE_CHECKING:
     from . import plots as plots

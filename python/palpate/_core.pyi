@@ -481,3 +481,46 @@ class PoseSet:
     @property
     def marginal(self) -> bool:
         """Whether every witness needs the tolerance."""
+    @property
+    def thesis_pose(self) -> ThesisPose | None:
+        """The thesis's own pose and bounds of the first assignment (2.2.3, 2.4).
+
+        None where they are not defined: a contact on a vertex or without a normal, or all faces parallel.
+        """
+
+@final
+class ThesisPose:
+    """The thesis's nominal pose of an interpretation and its bounds (2.2.3, 2.4), corrected by MATH errata 37-43.
+
+    They describe one pose, not the set of all poses; `PoseSet` does that. `docs/accuracy.md` compares the two.
+    """
+
+    @property
+    def world_from_model(self) -> NDArray[float64]:
+        """The nominal pose: `rotation` and `translation`, shape `(3, 3)`."""
+    @property
+    def first_rotation(self) -> float:
+        """θ, which takes the first face's normal to its sensed one; radians (2.4)."""
+    @property
+    def rotation(self) -> float:
+        """φ, the middle of the rotations that all normals leave; radians (eq. 2.2)."""
+    @property
+    def residual_rotation(self) -> float:
+        """γ, the width of the rotations that all normals leave; radians (2.4.1)."""
+    @property
+    def translation(self) -> NDArray[float64]:
+        """The nominal translation at φ, shape `(2,)`, world frame (eq. 2.1)."""
+    @property
+    def translation_error(self) -> float:
+        """`E_T`, the half diagonal of the rhombus of translations of the best pair of faces (2.4.2)."""
+    @property
+    def translation_region(self) -> NDArray[float64]:
+        """Translations at φ that keep each contact within its bound of its face's line, shape `(k, 2)` (figure 2.6)."""
+    def excursion(self, point: ArrayLike) -> float:
+        """`E_q`, how far the point, shape `(2,)`, model frame, moves between the two extreme nominal poses (eq. 2.3).
+
+        A chord, not a bound.
+
+        Raises:
+            ValueError: Another shape, or a number that is not finite.
+        """

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate._core import Contact, Model, Recognition, recognize
-from palpate.contacts import read_contacts
 from palpate.models import load_models
-from palpate.parts import DRILL_PARTS, THESIS_OBJECTS, part_path
+from palpate.parts import DRILL_PARTS, THESIS_OBJECTS, standard_contacts
 
 DEFAULT_PART = "telephone"
 
@@ -50,32 +49,11 @@ def demonstrate(part: str = DEFAULT_PART, *, seed: int = 0) -> Demonstration:
     truth = models[kind.index(part)]
     random = np.random.default_rng(seed)
     world_from_truth = _random_pose(random)
-    contacts = [_sensed(contact, world_from_truth, random) for contact in _contacts_on(truth)]
+    contacts = [_sensed(contact, world_from_truth, random) for contact in standard_contacts(part)]
     found = recognize(models, contacts)
     return Demonstration(
         truth, world_from_truth, models, contacts, found, _number_of(found, truth, world_from_truth)
     )
-
-
-def _contacts_on(part: Model) -> list[Contact]:
-    """The contacts bundled with a part, on its outline, in its frame; else one on each of two long faces."""
-    file = part_path(part.name)
-    bundled = None if file is None else file.parent / "contacts" / f"{part.name}.json"
-    if bundled is not None and bundled.is_file():
-        return read_contacts(bundled).contacts
-    lengths = [-math.dist(*face) for face in part.faces]
-    first, *others = np.argsort(lengths, kind="stable")
-    # Two parallel faces would leave the part free to slide along them.
-    across = next(face for face in others if abs(part.face_normals[face] @ part.face_normals[first]) < 0.8)
-    return [
-        Contact(
-            0.6 * part.faces[face][0] + 0.4 * part.faces[face][1],
-            part.face_normals[face],
-            position_error=0.5,
-            normal_error=math.radians(4.0),
-        )
-        for face in (first, across)
-    ]
 
 
 def _random_pose(random: np.random.Generator) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use crate::convert::{pose, pose_array, poses_array, vector, vectors_array, whole};
 use crate::interpretations::PyInterpretations;
 use crate::model::PyModel;
+use crate::thesis::PyThesisPose;
 
 type Any<'py> = Bound<'py, PyAny>;
 type Array2<'py> = Bound<'py, PyArray2<f64>>;
@@ -183,6 +184,11 @@ impl PyPoseSet {
     #[getter]
     fn marginal(&self) -> bool {
         self.0.marginal()
+    }
+
+    #[getter]
+    fn thesis_pose(&self) -> Option<PyThesisPose> {
+        self.0.thesis_pose().map(PyThesisPose)
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {

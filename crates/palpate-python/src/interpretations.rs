@@ -3,24 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
-use palpate::{Count, Hypothesis, Interpretation};
+use palpate::{Count, Interpretation};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyRange;
-use self_cell::self_cell;
 
 use crate::hypothesis::{PyHypothesis, PyInterpretation};
 
-type Listing<'a> = Box<dyn Iterator<Item = Interpretation> + Send + 'a>;
-
-self_cell!(
-    /// The interpretations of a hypothesis, and the hypothesis that they borrow from.
-    struct Running {
-        owner: Hypothesis,
-        #[not_covariant]
-        dependent: Listing,
-    }
-);
+type Listing = Box<dyn Iterator<Item = Interpretation> + Send>;
 
 /// The interpretations of one or more hypotheses, in their order.
 #[pyclass(name = "Interpretations", module = "palpate._core", frozen)]
@@ -37,7 +27,7 @@ struct InterpretationIterator {
 #[derive(Default)]
 struct Place {
     hypothesis: usize,
-    running: Option<Running>,
+    running: Option<Listing>,
 }
 
 impl InterpretationIterator {
@@ -47,9 +37,8 @@ impl InterpretationIterator {
         loop {
             let number = place.hypothesis;
             let hypothesis = &self.hypotheses.get(number)?.get().hypothesis;
-            let begin = || Running::new(hypothesis.clone(), |owner| Box::new(owner.interpretations()));
-            let running = place.running.get_or_insert_with(begin);
-            if let Some(found) = running.with_dependent_mut(|_, listing| listing.next()) {
+            let running = place.running.get_or_insert_with(|| Box::new(hypothesis.interpretations()));
+            if let Some(found) = running.next() {
                 return Some((number, found));
             }
             *place = Place { hypothesis: number + 1, running: None };

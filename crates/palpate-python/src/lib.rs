@@ -7,6 +7,7 @@ mod hypothesis;
 mod interpretations;
 mod model;
 mod recognize;
+mod thesis;
 
 use pyo3::prelude::*;
 
@@ -25,6 +26,8 @@ mod _core {
     use crate::model::PyModel;
     #[pymodule_export]
     use crate::recognize::{PyRecognition, recognize};
+    #[pymodule_export]
+    use crate::thesis::PyThesisPose;
 
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name for it")]

@@ -66,11 +66,12 @@ impl Hypothesis {
     }
 
     /// Its interpretations one by one, found as they are asked for.
-    pub fn interpretations(&self) -> impl Iterator<Item = Interpretation> + '_ {
-        self.poses.assignments().map(|assignment| Interpretation {
-            model: Shared::clone(&self.model),
-            model_number: self.model_number,
-            poses: self.poses.of_assignment(&assignment),
+    pub fn interpretations(&self) -> impl Iterator<Item = Interpretation> + use<> {
+        let hypothesis = self.clone();
+        self.poses.assignments().map(move |assignment| Interpretation {
+            model: Shared::clone(&hypothesis.model),
+            model_number: hypothesis.model_number,
+            poses: hypothesis.poses.of_assignment(&assignment),
             assignment,
         })
     }

@@ -9,6 +9,7 @@ use glam::{DVec2, dvec2};
 
 use super::arc::{Arc, wrap};
 use super::case::{Case, PivotPose};
+use super::free::Sweep;
 use super::polytope::{HalfSpace, Polytope};
 use super::pose::Pose;
 use super::site::Site;
@@ -84,7 +85,7 @@ impl<'a> Conditions<'a> {
     pub fn reach(&self) -> f64 {
         let lever = |contact: usize| self.case.data[contact].lever.length() + self.case.data[contact].radius;
         let contacts = self.sites.iter().map(|(contact, _)| lever(*contact));
-        contacts.chain(self.case.sweeps.iter().map(|sweep| sweep.reach())).fold(0.0, f64::max)
+        contacts.chain(self.case.sweeps.iter().map(Sweep::reach)).fold(0.0, f64::max)
     }
 }
 

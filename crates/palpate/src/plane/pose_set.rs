@@ -77,14 +77,6 @@ impl PoseSet {
         Self { case, pieces: Shared::new(pieces), symmetric, best: Shared::default() }
     }
 
-    pub(crate) fn pieces(&self) -> &[Piece] {
-        &self.pieces
-    }
-
-    pub(crate) fn case(&self) -> &Shared<Case> {
-        &self.case
-    }
-
     fn cells(&self) -> impl Iterator<Item = &Cell> {
         self.pieces.iter().flat_map(|piece| &piece.cells)
     }
@@ -259,14 +251,15 @@ impl PoseSet {
 
     /// Its assignments one by one, each once, found as they are asked for: every choice among the features that explain
     /// the contacts at a witness. One of each that the model's symmetries repeat.
-    pub(crate) fn assignments(&self) -> impl Iterator<Item = Vec<Feature>> + '_ {
+    pub(crate) fn assignments(&self) -> impl Iterator<Item = Vec<Feature>> + use<> {
+        let set = self.clone();
+        let model = Shared::clone(&self.case.model);
+        let stands_for_itself = self.case.prior.is_some();
         let mut listed = BTreeSet::new();
-        let single = self.case.prior.is_some();
-        self.pieces
-            .iter()
-            .filter_map(|piece| self.explanations(piece))
+        (0..self.pieces.len())
+            .filter_map(move |number| set.explanations(&set.pieces[number]))
             .flat_map(choices)
-            .map(move |choice| if single { choice } else { self.case.model.representative(choice) })
+            .map(move |choice| if stands_for_itself { choice } else { model.representative(choice) })
             .filter(move |choice| listed.insert(choice.clone()))
     }
 

@@ -12,6 +12,9 @@ use super::cell::{Cell, Conditions};
 /// Rotations are first divided into cells of at most this half width, radians.
 const FIRST_HALF: f64 = 0.08;
 
+/// No arc of rotations is divided into more cells at once.
+const MOST_CELLS: u32 = 1 << 16;
+
 /// Cuts at the candidate before a cell is divided.
 const NUM_CUTS: usize = 6;
 
@@ -57,10 +60,10 @@ fn contracted(conditions: &Conditions<'_>, mut cell: Cell) -> Option<Cell> {
 }
 
 fn divide(arc: Arc, largest_half: f64) -> impl Iterator<Item = Cell> {
-    let pieces = (arc.half_width() / largest_half).ceil().max(1.0);
-    let half = arc.half_width() / pieces;
+    let num_pieces = (1..=MOST_CELLS).find(|count| arc.half_width() <= largest_half * f64::from(*count)).unwrap_or(MOST_CELLS);
+    let half = arc.half_width() / f64::from(num_pieces);
     let outward = f64::EPSILON * std::f64::consts::TAU;
-    (0..pieces as usize).map(move |k| Cell::whole(arc.start + (2 * k + 1) as f64 * half, half + outward))
+    (0..num_pieces).map(move |k| Cell::whole(arc.start + f64::from(2 * k + 1) * half, half + outward))
 }
 
 /// Breadth first, so that a wide set is found before a narrow one is divided.

@@ -51,7 +51,7 @@ pub(super) fn symmetries(faces: &[Face], vertices: &[Vertex], size: f64) -> Vec<
     let vertex_marks = Marks::new(vertex_marks.collect(), SYMMETRY_TOL * size);
 
     let center = face_marks.centroid();
-    let mut orders = (1..=there.len()).rev().filter(|order| there.len() % order == 0);
+    let mut orders = (1..=there.len()).rev().filter(|order| there.len().is_multiple_of(*order));
     let group = orders.find_map(|order| {
         let motions: Vec<Pose> = (0..order).map(|k| rotation(center, k, order)).collect();
         let (face_maps, vertex_maps) = (face_marks.maps(&motions)?, vertex_marks.maps(&motions)?);
