@@ -49,7 +49,10 @@ def random_part(random: Random, family: str) -> Model:
         untouchable = random.sample(range(count), random.randint(1, 2)) if random.random() < 0.1 else []
         try:
             if family == "loose":
-                return _loose(random, loops[0], slacks)
+                part = _loose(random, loops[0], slacks)
+                if "touchable" in part.face_surfaces:
+                    return part
+                continue
             return Model.polygon(loops[0], name=family, holes=loops[1:], untouchable=untouchable, **slacks)
         except ValueError:
             continue  # it crosses itself, or a hole is outside: another one
@@ -76,9 +79,7 @@ def _comb(random: Random) -> tuple[list[Point], list[list[Point]]]:
     for tooth in reversed(range(teeth)):
         left, right = pitch * tooth, pitch * (tooth + 0.5)
         corners += [(right + 0.5 * pitch, 20.0), (right, 20.0), (right, 20.0 + height), (left, 20.0 + height)]
-    corners.append((0.0, 20.0))
-    # The first tooth stands flush with the bar's left end, the last one is half a pitch from its right.
-    corners = [corner for k, corner in enumerate(corners) if corner != (0.0, 20.0)]
+    # The first tooth stands flush with the bar's left end.
     if random.random() < 1.0 / 3.0:
         off = log_uniform(random, 1e-3, 0.5)
         corners = [(x + random.uniform(-off, off), y + random.uniform(-off, off)) for x, y in corners]

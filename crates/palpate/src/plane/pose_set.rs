@@ -16,8 +16,8 @@ use super::thesis::ThesisPose;
 use crate::feature::Feature;
 use crate::hypothesis::Count;
 
-/// Assignments are counted one by one up to this number.
-const MOST_COUNTED: usize = 10_000;
+/// Assignments are counted by trying so many choices of features at most.
+const MOST_ATTEMPTS: usize = 10_000;
 
 /// The largest slack is found to this share of the bounds.
 const SHARE_STEP: f64 = 1e-3;
@@ -249,34 +249,60 @@ impl PoseSet {
         Some(piece.features.iter().enumerate().map(explaining).collect())
     }
 
-    /// Its assignments one by one, each once, found as they are asked for: every choice among the features that explain
-    /// the contacts at a witness. One of each that the model's symmetries repeat.
+    /// Its assignments one by one, each once, found as they are asked for; one of each that the model's symmetries repeat.
     pub(crate) fn assignments(&self) -> impl Iterator<Item = Vec<Feature>> + use<> {
-        let set = self.clone();
+        self.attempts().flatten()
+    }
+
+    /// First every choice among the features that explain the contacts at a witness: all are valid. Then every other
+    /// choice in every piece, decided one by one: `None` if it is not valid, or listed already.
+    fn attempts(&self) -> impl Iterator<Item = Option<Vec<Feature>>> + use<> {
+        let (certain, open) = (self.clone(), self.clone());
         let model = Shared::clone(&self.case.model);
         let stands_for_itself = self.case.prior.is_some();
         let mut listed = BTreeSet::new();
-        (0..self.pieces.len())
-            .filter_map(move |number| set.explanations(&set.pieces[number]))
-            .flat_map(choices)
-            .map(move |choice| if stands_for_itself { choice } else { model.representative(choice) })
-            .filter(move |choice| listed.insert(choice.clone()))
+        let count = self.pieces.len();
+        let certain = (0..count)
+            .filter_map(move |number| certain.explanations(&certain.pieces[number]))
+            .flat_map(|sets| choices(sets).map(|choice| (None, choice)));
+        let open_pieces = open.clone();
+        let several =
+            move |number: &usize| open_pieces.pieces[*number].features.iter().any(|set| set.len() > 1);
+        let open_choices = open.clone();
+        let undecided = (0..count).filter(several).flat_map(move |number| {
+            choices(open_choices.pieces[number].features.clone()).map(move |choice| (Some(number), choice))
+        });
+        certain.chain(undecided).map(move |(piece, choice)| {
+            let first = if stands_for_itself { choice.clone() } else { model.representative(choice.clone()) };
+            let valid = |number: usize| open.is_valid_in(&choice, &open.pieces[number]);
+            (!listed.contains(&first) && piece.is_none_or(valid)).then(|| {
+                listed.insert(first.clone());
+                first
+            })
+        })
     }
 
-    /// Counted one by one up to a limit; beyond, at least the largest product. Where many assignments share poses,
-    /// one that holds at no witness is not counted.
+    /// Whether a pose within the cells of the piece satisfies the assignment.
+    fn is_valid_in(&self, assignment: &[Feature], piece: &Piece) -> bool {
+        Conditions::new(&self.case, assignment.iter().copied().enumerate())
+            .is_some_and(|conditions| solve::witness_within(&conditions, &piece.cells).is_some())
+    }
+
+    /// Counted one by one up to a limit of attempts; beyond, at least the largest product of certain ones.
     pub(crate) fn assignment_count(&self) -> Count {
-        let singles =
-            self.pieces.iter().all(|piece| piece.features.iter().all(|features| features.len() == 1));
-        let counted = self.assignments().take(MOST_COUNTED).count();
-        if counted < MOST_COUNTED {
-            return Count { at_least: counted as u64, exact: singles };
+        let (mut counted, mut num_attempts) = (0, 0);
+        for attempt in self.attempts().take(MOST_ATTEMPTS) {
+            num_attempts += 1;
+            counted += u64::from(attempt.is_some());
+        }
+        if num_attempts < MOST_ATTEMPTS {
+            return Count { at_least: counted, exact: true };
         }
         let products = self.pieces.iter().filter_map(|piece| self.explanations(piece));
         let sizes = products.map(|product| {
             product.iter().fold(1_u64, |size, features| size.saturating_mul(features.len() as u64))
         });
-        Count { at_least: sizes.fold(counted as u64, u64::max), exact: false }
+        Count { at_least: sizes.fold(counted, u64::max), exact: false }
     }
 
     /// No two poses of the set differ by more, radians, at most π.

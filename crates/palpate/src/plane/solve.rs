@@ -41,6 +41,12 @@ pub(crate) fn witness(conditions: &Conditions<'_>) -> Option<Witness> {
     search(conditions, first_cells(conditions))
 }
 
+/// A witness within the cells, or the certificate that there is none.
+pub(crate) fn witness_within(conditions: &Conditions<'_>, cells: &[Cell]) -> Option<Witness> {
+    let cells = cells.iter().filter_map(|cell| contracted(conditions, cell.clone()));
+    search(conditions, cells.collect())
+}
+
 /// All poses.
 pub(crate) fn solve(conditions: &Conditions<'_>) -> Option<Solution> {
     let witness = witness(conditions)?;
@@ -60,7 +66,9 @@ fn contracted(conditions: &Conditions<'_>, mut cell: Cell) -> Option<Cell> {
 }
 
 fn divide(arc: Arc, largest_half: f64) -> impl Iterator<Item = Cell> {
-    let num_pieces = (1..=MOST_CELLS).find(|count| arc.half_width() <= largest_half * f64::from(*count)).unwrap_or(MOST_CELLS);
+    let num_pieces = (1..=MOST_CELLS)
+        .find(|count| arc.half_width() <= largest_half * f64::from(*count))
+        .unwrap_or(MOST_CELLS);
     let half = arc.half_width() / f64::from(num_pieces);
     let outward = f64::EPSILON * std::f64::consts::TAU;
     (0..num_pieces).map(move |k| Cell::whole(arc.start + f64::from(2 * k + 1) * half, half + outward))

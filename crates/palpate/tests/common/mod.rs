@@ -90,11 +90,12 @@ pub fn contacts(random: &mut Rng, model: Arc<Model>, count: usize, noise_bounds:
         let shift =
             noise_bounds.position_error * noise(random).abs() * DVec2::from_angle(uniform(random, 0.0, 7.0));
         let center = world_from_model.apply(center_model) + shift * (1.0 - 1e-12);
-        let mut contact = Contact::new(center, noise_bounds.tip_radius, noise_bounds.position_error).unwrap();
+        let mut contact = Contact::new(center, noise_bounds.tip_radius, noise_bounds.position_error)
+            .expect("bounds are valid");
         if let Some(error) = noise_bounds.normal_error {
             let turn = DVec2::from_angle(error * noise(random) * (1.0 - 1e-12));
             let sensed = turn.rotate(world_from_model.rotation.rotate(normal));
-            contact = contact.with_normal(Normal::new(sensed, error).unwrap());
+            contact = contact.with_normal(Normal::new(sensed, error).expect("the bound is valid"));
         }
         problem.evidence.contacts.push(contact);
         problem.assignment.push(feature);
@@ -108,11 +109,11 @@ fn touch(random: &mut Rng, model: &Model, vertices: bool) -> (DVec2, DVec2, Feat
             (0..model.vertices.len()).filter(|k| model.vertices[*k].normals.is_some()).collect();
         let number = convex[random.usize(0..convex.len())];
         let vertex = &model.vertices[number];
-        let cone = vertex.normals.unwrap();
+        let cone = vertex.normals.expect("convex");
         let normal = DVec2::from_angle(cone.start + cone.width * random.f64());
         return (vertex.point, normal, Feature::Vertex(number as u32));
     }
-    let total: f64 = model.faces.iter().map(|face| face.length()).sum();
+    let total: f64 = model.faces.iter().map(palpate::plane::Face::length).sum();
     let mut at = random.f64() * total;
     let mut number = 0;
     while number + 1 < model.faces.len() && at > model.faces[number].length() {

@@ -15,7 +15,8 @@ pub fn part(name: &str) -> Arc<Model> {
     let text = std::fs::read_to_string(folder.join(format!("{name}.json"))).expect("bundled part");
     let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
     let points = value["outer"].as_array().expect("an outline");
+    let coordinate = |point: &serde_json::Value, axis: usize| point[axis].as_f64().expect("a number");
     let corners: Vec<DVec2> =
-        points.iter().map(|p| dvec2(p[0].as_f64().unwrap(), p[1].as_f64().unwrap())).collect();
+        points.iter().map(|point| dvec2(coordinate(point, 0), coordinate(point, 1))).collect();
     Arc::new(Model::polygon(name, &corners, &[], &[], 0.0, 0.0).expect("a valid outline"))
 }
