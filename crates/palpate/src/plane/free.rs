@@ -3,7 +3,8 @@
 use glam::DVec2;
 
 use super::case::PivotPose;
-use super::model::{Model, Surface};
+use super::distance::{crossing, segment_to_segment, to_segment};
+use super::model::{Face, Model, Surface};
 use crate::contact::Evidence;
 
 /// A swept segment, from the pivot, world frame, and the distance that the part keeps from it.
@@ -45,27 +46,15 @@ impl Sweep {
     }
 
     /// Whether some point of the sweep is nearer than the clearance plus `extra`.
-    ///
-    /// The distance to the part is 1-Lipschitz: a piece of the sweep whose middle is further than its half length
-    /// beyond the clearance is free. Decided up to 1e-9 of the part, in favour of the pose.
     pub fn intrudes(&self, model: &Model, pose: PivotPose, extra: f64) -> bool {
         let turn = DVec2::from_angle(-pose.angle);
-        let [start, end] = [self.start, self.end].map(|point| pose.y + turn.rotate(point));
+        let path = [self.start, self.end].map(|point| pose.y + turn.rotate(point));
         let clearance = self.clearance + extra;
-        let finest = 1e-9 * model.size;
-        let mut pieces = vec![(0.0, 1.0)];
-        while let Some((from, to)) = pieces.pop() {
-            let distance = signed_distance(model, start.lerp(end, 0.5 * (from + to)));
-            let half_length = 0.5 * (to - from) * start.distance(end);
-            if distance < clearance {
-                return true;
-            }
-            if distance - half_length < clearance && half_length > finest {
-                let middle = 0.5 * (from + to);
-                pieces.extend([(from, middle), (middle, to)]);
-            }
+        if clearance > 0.0 {
+            let near = |face: &Face| segment_to_segment(path, [face.start, face.end]) < clearance;
+            return solid(model).any(near) || inside(model, path[0]);
         }
-        false
+        model.closed && deeper(model, path, -clearance)
     }
 
     /// The largest distance of a swept point from the pivot.
@@ -74,20 +63,51 @@ impl Sweep {
     }
 }
 
-/// Distance to the outline, negative inside a closed model.
-fn signed_distance(model: &Model, point: DVec2) -> f64 {
-    let mut nearest_sq = f64::INFINITY;
-    let mut inside = false;
-    for face in model.faces.iter().filter(|face| face.surface != Surface::Seam) {
-        let span = face.end - face.start;
-        let offset = point - face.start;
-        let t = (offset.dot(span) / span.length_squared()).clamp(0.0, 1.0);
-        nearest_sq = nearest_sq.min((offset - t * span).length_squared());
-        if (face.start.y > point.y) != (face.end.y > point.y) {
-            let crossing = face.start.x + (point.y - face.start.y) / span.y * span.x;
-            inside ^= point.x < crossing;
+/// The faces that are there.
+fn solid(model: &Model) -> impl Iterator<Item = &Face> {
+    model.faces.iter().filter(|face| face.surface != Surface::Seam)
+}
+
+/// Whether the point is inside a closed model.
+fn inside(model: &Model, point: DVec2) -> bool {
+    let crosses = |face: &&Face| {
+        let (start, end) = (face.start, face.end);
+        (start.y > point.y) != (end.y > point.y)
+            && point.x < start.x + (point.y - start.y) / (end.y - start.y) * (end.x - start.x)
+    };
+    model.closed && solid(model).filter(crosses).count() % 2 == 1
+}
+
+/// Whether some point of the path is inside, and further than `depth` from the outline.
+fn deeper(model: &Model, path: [DVec2; 2], depth: f64) -> bool {
+    let at = |t: f64| path[0].lerp(path[1], t);
+    let mut cuts: Vec<f64> =
+        solid(model).filter_map(|face| crossing(path, [face.start, face.end])).chain([0.0, 1.0]).collect();
+    cuts.sort_by(f64::total_cmp);
+    let pieces = cuts.windows(2).filter(|ends| inside(model, at(0.5 * (ends[0] + ends[1]))));
+    pieces.into_iter().any(|ends| rises_above(model, [at(ends[0]), at(ends[1])], depth))
+}
+
+/// Whether the distance to the outline rises above `depth` on a piece of a path that does not cross it.
+///
+/// The distance to one face is convex along the piece, hence at most the larger of its values at the ends; the distance
+/// to the outline is the least of these. Decided up to 1e-9 of the part, in favour of the pose.
+fn rises_above(model: &Model, piece: [DVec2; 2], depth: f64) -> bool {
+    let finest = 1e-9 * model.size;
+    let mut pieces = vec![piece];
+    while let Some([start, end]) = pieces.pop() {
+        let middle = start.midpoint(end);
+        let (mut bound, mut distance) = (f64::INFINITY, f64::INFINITY);
+        for face in solid(model).map(|face| [face.start, face.end]) {
+            bound = bound.min(to_segment(start, face).max(to_segment(end, face)));
+            distance = distance.min(to_segment(middle, face));
+        }
+        if distance > depth && inside(model, middle) {
+            return true;
+        }
+        if bound > depth && start.distance(end) > finest {
+            pieces.extend([[start, middle], [middle, end]]);
         }
     }
-    let distance = nearest_sq.sqrt();
-    if model.closed && inside { -distance } else { distance }
+    false
 }

@@ -4,6 +4,7 @@ mod arc;
 mod case;
 mod cell;
 mod crossing;
+mod distance;
 mod free;
 mod hypotheses;
 mod model;

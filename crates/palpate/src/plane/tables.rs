@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::arc::{Arc, wrap};
 use super::case::Case;
+use super::distance::{segment_to_segment, to_segment};
 use super::model::{Face, Model, Surface};
 use crate::feature::Feature;
 use crate::tree::{ContactPairs, FeaturePairs, PairRange, Range};
@@ -108,7 +109,7 @@ impl FeatureTables {
                 + case.data[contact].radius
                 + case.length_tolerance;
             let [start, end] = [element.start, element.end].map(|point| prior.world_from_model.apply(point));
-            distance_to_segment(case.pivot + case.data[contact].lever, start, end) <= slack
+            to_segment(case.pivot + case.data[contact].lever, [start, end]) <= slack
         };
         (0..self.elements.len()).filter(|&k| possible(&self.elements[k])).collect()
     }
@@ -167,7 +168,7 @@ fn pair_range(first: &Element, second: &Element) -> PairRange {
         high: first.normals.start + first.normals.width - second.normals.start,
     };
     PairRange {
-        distance: Range { low: shortest(ends(first), ends(second)), high: longest },
+        distance: Range { low: segment_to_segment(ends(first), ends(second)), high: longest },
         angle,
         direction: along_normals(first.normals, offsets.as_flattened()),
         direction_back: along_normals(
@@ -184,26 +185,6 @@ fn along_normals(normals: Arc, offsets: &[DVec2]) -> Range {
         low: offsets.iter().map(|offset| -most(-*offset)).fold(f64::INFINITY, f64::min),
         high: offsets.iter().map(|offset| most(*offset)).fold(f64::NEG_INFINITY, f64::max),
     }
-}
-
-/// The least distance of two segments (erratum 11: four ends, and crossing).
-fn shortest(a: [DVec2; 2], b: [DVec2; 2]) -> f64 {
-    let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
-    let crossing = side(a[0], a[1], b[0]) * side(a[0], a[1], b[1]) < 0.0
-        && side(b[0], b[1], a[0]) * side(b[0], b[1], a[1]) < 0.0;
-    if crossing {
-        return 0.0;
-    }
-    let from_a = a.map(|end| distance_to_segment(end, b[0], b[1]));
-    let from_b = b.map(|end| distance_to_segment(end, a[0], a[1]));
-    from_a.into_iter().chain(from_b).fold(f64::INFINITY, f64::min)
-}
-
-fn distance_to_segment(point: DVec2, start: DVec2, end: DVec2) -> f64 {
-    let span = end - start;
-    let length_sq = span.length_squared();
-    let t = if length_sq > 0.0 { ((point - start).dot(span) / length_sq).clamp(0.0, 1.0) } else { 0.0 };
-    point.distance(start + t * span)
 }
 
 /// A contact's surface point and normal with their bounds, τ included.
