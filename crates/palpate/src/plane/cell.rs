@@ -74,6 +74,16 @@ impl<'a> Conditions<'a> {
             && self.case.allows(pose, length)
     }
 
+    /// By how much the pose misses the worst of contacts, prior and free space, a length: a measure, not a bound.
+    pub fn miss(&self, pose: PivotPose) -> f64 {
+        let contacts = self
+            .sites
+            .iter()
+            .map(|(contact, site)| self.case.excess(*contact, site, pose, self.case.angle_tolerance));
+        let sweeps = self.case.sweeps.iter().map(|sweep| sweep.intrusion(&self.case.model, pose));
+        contacts.chain(sweeps).fold(self.case.prior_excess(pose), f64::max)
+    }
+
     /// Whether the set at one rotation is convex, so that only rotations need be divided.
     pub fn convex(&self) -> bool {
         self.case.sweeps.is_empty()

@@ -16,6 +16,9 @@ pub(crate) struct Sweep {
     clearance: f64,
 }
 
+/// Points at which an intrusion is measured, less one.
+const NUM_SAMPLES: u32 = 8;
+
 impl Sweep {
     /// Of every miss, and of every contact that says where its move began.
     ///
@@ -55,6 +58,20 @@ impl Sweep {
             return solid(model).any(near) || inside(model, path[0]);
         }
         model.closed && deeper(model, path, -clearance)
+    }
+
+    /// By how much the clearance is missed at some points of the sweep, its end among them: no bound, but a measure of
+    /// how far a pose is from being free.
+    pub fn intrusion(&self, model: &Model, pose: PivotPose) -> f64 {
+        let turn = DVec2::from_angle(-pose.angle);
+        let [start, end] = [self.start, self.end].map(|point| pose.y + turn.rotate(point));
+        let miss = |step: u32| {
+            let point = start.lerp(end, f64::from(step) / f64::from(NUM_SAMPLES));
+            let faces = solid(model).map(|face| to_segment(point, [face.start, face.end]));
+            let distance = faces.fold(f64::INFINITY, f64::min);
+            self.clearance - if inside(model, point) { -distance } else { distance }
+        };
+        (0..=NUM_SAMPLES).map(miss).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The largest distance of a swept point from the pivot.

@@ -3,7 +3,8 @@
 //! Cells of pose space are contracted; an empty one is a certificate that no pose lies there. A pose that satisfies
 //! the conditions exactly, or within τ, is a witness. What is neither is divided.
 
-use std::collections::VecDeque;
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, VecDeque};
 
 use super::arc::Arc;
 use super::case::PivotPose;
@@ -14,6 +15,12 @@ const FIRST_HALF: f64 = 0.08;
 
 /// No arc of rotations is divided into more cells at once.
 const MOST_CELLS: u32 = 1 << 16;
+
+/// Cells examined for a witness at most. A set that is neither found nor refuted by then is kept as marginal.
+const MOST_EXAMINED: u32 = 20_000;
+
+/// With a marginal witness in hand, cells examined for a better one.
+const ENOUGH_MARGINAL: u32 = 64;
 
 /// Cuts at the candidate before a cell is divided.
 const NUM_CUTS: usize = 6;
@@ -74,48 +81,105 @@ fn divide(arc: Arc, largest_half: f64) -> impl Iterator<Item = Cell> {
     (0..num_pieces).map(move |k| Cell::whole(arc.start + f64::from(2 * k + 1) * half, half + outward))
 }
 
-/// Breadth first, so that a wide set is found before a narrow one is divided.
+/// A cell that may hold a witness; the one whose candidate misses least is examined first.
+struct Open {
+    miss: f64,
+    number: usize,
+    cell: Cell,
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.miss.total_cmp(&self.miss).then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Open {}
+
+/// Best first: a certificate needs all cells in any order, a witness is found early.
 fn search(conditions: &Conditions<'_>, cells: Vec<Cell>) -> Option<Witness> {
-    let case = conditions.case;
     let reach = conditions.reach();
-    let finest = 0.25 * case.length_tolerance;
+    let mut open = BinaryHeap::new();
+    let mut num_opened = 0;
+    let mut add = |open: &mut BinaryHeap<Open>, cell: Cell| {
+        if !excluded(conditions, &cell) {
+            num_opened += 1;
+            open.push(Open { miss: conditions.miss(cell.candidate()), number: num_opened, cell });
+        }
+    };
+    for cell in cells {
+        add(&mut open, cell);
+    }
     let mut fallback = None;
-    let mut queue = VecDeque::from(cells);
-    let mut examined = 0_u32;
-    while let Some(mut cell) = queue.pop_front() {
-        if excluded(conditions, &cell) {
-            continue;
+    for num_examined in 0_u32.. {
+        let Some(Open { mut cell, .. }) = open.pop() else { break };
+        let fine = if conditions.convex() { cell.looseness(reach) } else { cell.motion(reach) }
+            <= finest(conditions);
+        let left =
+            match probe(conditions, &mut cell, if fine { 50 * NUM_CUTS } else { NUM_CUTS }, &mut fallback) {
+                Probe::Found(witness) => return Some(witness),
+                Probe::Empty => continue,
+                Probe::Left => Witness { pose: cell.candidate(), marginal: true },
+            };
+        if fallback.is_none() && (fine || num_examined >= MOST_EXAMINED) {
+            // Neither a witness nor a certificate: kept, so that nothing true is lost.
+            fallback = Some(left);
         }
-        let fine =
-            if conditions.convex() { cell.looseness(reach) <= finest } else { cell.motion(reach) <= finest };
-        let num_cuts = if fine { 50 * NUM_CUTS } else { NUM_CUTS };
-        let mut left = true;
-        for _ in 0..num_cuts {
-            let pose = cell.candidate();
-            if conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
-                return Some(Witness { pose, marginal: false });
-            }
-            if fallback.is_none() && conditions.satisfied(pose, case.length_tolerance, case.angle_tolerance) {
-                fallback = Some(Witness { pose, marginal: true });
-            }
-            left = cell.cut_at(conditions, pose);
-            if !left {
-                break;
-            }
+        if num_examined >= MOST_EXAMINED || (fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
+            break;
         }
-        examined += 1;
-        if left && fine && fallback.is_none() {
-            // Neither a witness nor a certificate at the finest: kept, so that nothing true is lost.
-            fallback = Some(Witness { pose: cell.candidate(), marginal: true });
+        if !fine {
+            let halves = split(conditions, &cell, reach).into_iter();
+            halves.filter_map(|part| contracted(conditions, part)).for_each(|part| add(&mut open, part));
         }
-        if !left || fine || (fallback.is_some() && examined > 64) {
-            continue;
-        }
-        queue.extend(
-            split(conditions, &cell, reach).into_iter().filter_map(|part| contracted(conditions, part)),
-        );
     }
     fallback
+}
+
+/// Below this looseness a cell is not divided further: what is left of it is valid up to τ/2.
+fn finest(conditions: &Conditions<'_>) -> f64 {
+    0.25 * conditions.case.length_tolerance
+}
+
+/// What a few cuts at its candidates make of a cell.
+enum Probe {
+    Found(Witness),
+    Empty,
+    Left,
+}
+
+fn probe(
+    conditions: &Conditions<'_>,
+    cell: &mut Cell,
+    num_cuts: usize,
+    fallback: &mut Option<Witness>,
+) -> Probe {
+    let case = conditions.case;
+    for _ in 0..num_cuts {
+        let pose = cell.candidate();
+        if conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
+            return Probe::Found(Witness { pose, marginal: false });
+        }
+        if fallback.is_none() && conditions.satisfied(pose, case.length_tolerance, case.angle_tolerance) {
+            *fallback = Some(Witness { pose, marginal: true });
+        }
+        if !cell.cut_at(conditions, pose) {
+            return Probe::Empty;
+        }
+    }
+    Probe::Left
 }
 
 /// Across rotations, unless the box is what is large and dividing it helps.
@@ -133,7 +197,7 @@ fn excluded(conditions: &Conditions<'_>, cell: &Cell) -> bool {
     conditions.case.sweeps.iter().any(|sweep| {
         let motion = cell.motion(sweep.reach()) + conditions.slack;
         let middle = PivotPose { angle: cell.mid, y: cell.y_mid() };
-        motion.is_finite() && sweep.intrudes(&conditions.case.model, middle, -motion)
+        sweep.intrudes(&conditions.case.model, middle, -motion)
     })
 }
 
