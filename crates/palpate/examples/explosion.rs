@@ -72,7 +72,8 @@ fn one_case(name: &str, (position_error, normal_error_deg): (f64, f64), num_cont
         let found = measure::solve(&problem);
         let recognized = started.elapsed().as_secs_f64();
         let listed = Instant::now();
-        let num_listed: usize = found.hypotheses.iter().map(|one| one.interpretations().take(10).count()).sum();
+        let num_listed: usize =
+            found.hypotheses.iter().map(|one| one.interpretations().take(10).count()).sum();
         let listing = listed.elapsed().as_secs_f64();
         let count = found.interpretation_count();
         let line = json!({

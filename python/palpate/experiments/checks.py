@@ -211,10 +211,10 @@ def _within(poses: Array, point: Array, limits: tuple[float, float, Array], *, r
     turned = np.abs(wrap(angles[:, None] - angles)).max()
     placed = poses[:, :2, :2] @ point + poses[:, :2, 2]
     moved = np.linalg.norm(placed[:, None] - placed, axis=2).max()
-    sides = np.roll(outline, -1, axis=0) - outline
-    lengths = np.maximum(np.linalg.norm(sides, axis=1), 1e-300)
-    offsets = placed[:, None] - outline
-    beyond = (sides[:, 1] * offsets[..., 0] - sides[:, 0] * offsets[..., 1]) / lengths
+    # Seen from 32 directions, no place reaches farther than the outline.
+    around = 2.0 * np.pi * np.arange(32) / 32.0
+    directions = np.stack([np.cos(around), np.sin(around)])
+    beyond = (placed @ directions).max(axis=0) - (outline @ directions).max(axis=0)
     return bool(turned <= rotation_bound + 1e-9 and moved <= excursion + rounding and beyond.max() <= rounding)
 
 

@@ -1,6 +1,7 @@
 //! Interpretations of one model joined into hypotheses: one pose, up to the model's symmetry, satisfies both (DESIGN §1).
 
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::Arc as Shared;
 
@@ -8,7 +9,7 @@ use rayon::prelude::*;
 
 use super::arc::Arc;
 use super::case::Case;
-use super::cell::{Cell, Conditions};
+use super::cell::Conditions;
 use super::model::Symmetry;
 use super::pose_set::{Piece, PoseSet};
 use super::solve::{self, Solution};
@@ -103,32 +104,8 @@ fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Valid> {
 fn explain_by_cells(case: &Shared<Case>, tables: &FeatureTables, counters: Counters) -> Explanations {
     let features = tables.features();
     let rotations = fundamental_rotations(case);
-    let mut division = subdivide::subdivide(case, &features, rotations);
-    let mut num_boxes = division.examined;
-    let mut complete = division.complete;
-    let mut dense = Vec::new();
-    let mut small = f64::INFINITY;
-    // Boxes without a witness that touch none with one are divided on, down to τ.
-    loop {
-        dense.append(&mut division.dense);
-        let (attached, alone) = separate(case, dense);
-        dense = attached;
-        small = small.min(case.data.iter().map(|datum| datum.bound).fold(f64::INFINITY, f64::min)) / 8.0;
-        if alone.is_empty() {
-            break;
-        }
-        for bundle in alone {
-            if small < 0.25 * case.length_tolerance {
-                dense.push(bundle.settled());
-                continue;
-            }
-            let finer = subdivide::divide(case, bundle.cell, &bundle.features, small);
-            num_boxes += finer.examined;
-            complete &= finer.complete;
-            division.sparse.extend(finer.sparse);
-            division.dense.extend(finer.dense);
-        }
-    }
+    let division = subdivide::subdivide(case, &features, rotations);
+    let dense = witnessed(case, division.dense);
     let assignments: BTreeSet<Vec<Feature>> =
         division.sparse.iter().flat_map(|bundle| bundle.assignments(usize::MAX)).collect();
     let stands_for_itself = case.prior.is_some();
@@ -137,7 +114,12 @@ fn explain_by_cells(case: &Shared<Case>, tables: &FeatureTables, counters: Count
         .map(|assignment| if stands_for_itself { assignment } else { case.model.representative(assignment) });
     let assignments: BTreeSet<Vec<Feature>> = assignments.collect();
     let pieces = join(case, valid(case, assignments.into_iter().collect()), dense);
-    Explanations { hypotheses: pose_sets(case, pieces), counters, num_boxes, complete }
+    Explanations {
+        hypotheses: pose_sets(case, pieces),
+        counters,
+        num_boxes: division.examined,
+        complete: division.complete,
+    }
 }
 
 /// One turn, or, without a prior, the part of it that the model's symmetries repeat.
@@ -146,57 +128,39 @@ fn fundamental_rotations(case: &Case) -> Arc {
         Some(prior) => {
             Arc::around(prior.world_from_model.angle(), prior.rotation).widen(case.angle_tolerance)
         }
-        None => Arc { start: 0.0, width: std::f64::consts::TAU / case.model.symmetries.len() as f64 }
-            .widen(case.angle_tolerance),
+        None => {
+            Arc { start: 0.0, width: TAU / case.model.symmetries.len() as f64 }.widen(case.angle_tolerance)
+        }
     }
 }
 
-/// Bundles in a group that has a witness, and the others.
-fn separate(case: &Case, bundles: Vec<Bundle>) -> (Vec<Bundle>, Vec<Bundle>) {
+/// Bundles in groups that have a witness. Groups without one are searched for it, and left out if there is none.
+fn witnessed(case: &Case, bundles: Vec<Bundle>) -> Vec<Bundle> {
     let mut groups = Groups::new(bundles.len());
     join_bundles(case, &bundles, &mut groups);
-    let mut witnessed = BTreeSet::new();
-    for (k, bundle) in bundles.iter().enumerate() {
-        if bundle.witness.is_some() {
-            witnessed.insert(groups.root(k));
+    let mut kept = Vec::new();
+    for mut group in groups.collect(bundles.into_iter()) {
+        if group.iter().all(|bundle| bundle.witness.is_none()) {
+            let Some(found) = subdivide::seek(case, &group) else { continue };
+            group.push(found);
         }
+        kept.append(&mut group);
     }
-    let (mut attached, mut alone) = (Vec::new(), Vec::new());
-    for (k, bundle) in bundles.into_iter().enumerate() {
-        if witnessed.contains(&groups.root(k)) { attached.push(bundle) } else { alone.push(bundle) }
-    }
-    (attached, alone)
+    kept
 }
 
 /// Pieces of each hypothesis, in the order of their first piece.
 fn join(case: &Case, valid: Vec<Valid>, bundles: Vec<Bundle>) -> Vec<Vec<Piece>> {
     let mut groups = Groups::new(valid.len() + bundles.len());
-    // symmetry[k]: the one that takes valid[k] to where it meets the first of its group.
     join_valid(case, &valid, &mut groups);
-    let first_bundle = valid.len();
-    let mut bundle_groups = Groups::new(bundles.len());
-    join_bundles(case, &bundles, &mut bundle_groups);
+    let mut of_bundles = Groups::new(bundles.len());
+    join_bundles(case, &bundles, &mut of_bundles);
     for k in 0..bundles.len() {
-        groups.unite(first_bundle + bundle_groups.root(k), first_bundle + k);
+        groups.unite(valid.len() + of_bundles.root(k), valid.len() + k);
     }
-    for (v, one) in valid.iter().enumerate() {
-        let single: Vec<Vec<Feature>> = one.assignment.iter().map(|feature| vec![*feature]).collect();
-        for (b, bundle) in bundles.iter().enumerate() {
-            let near = |symmetry: &Symmetry| {
-                let moved: Vec<Vec<Feature>> =
-                    single.iter().map(|feature| symmetry.features(feature)).collect();
-                bundle.compatible(&moved)
-                    && one.solution.cells.iter().any(|cell| {
-                        bundle.cell.meets(cell, symmetry.motion, case.length_tolerance, case.angle_tolerance)
-                    })
-            };
-            if groups.root(v) != groups.root(first_bundle + b) && case.model.symmetries.iter().any(near) {
-                groups.unite(v, first_bundle + b);
-            }
-        }
-    }
+    join_mixed(case, &valid, &bundles, &mut groups);
     let pieces = valid.into_iter().map(|one| Piece {
-        features: one.assignment.into_iter().map(|feature| vec![feature]).collect(),
+        features: singles(&one.assignment),
         cells: one.solution.cells,
         witness: Some(one.solution.witness),
         bounded: false,
@@ -208,6 +172,28 @@ fn join(case: &Case, valid: Vec<Valid>, bundles: Vec<Bundle>) -> Vec<Vec<Piece>>
         bounded: true,
     });
     groups.collect(pieces.chain(dense))
+}
+
+fn singles(assignment: &[Feature]) -> Vec<Vec<Feature>> {
+    assignment.iter().map(|feature| vec![*feature]).collect()
+}
+
+/// An assignment and a bundle are joined if the bundle may hold it and their cells touch.
+fn join_mixed(case: &Case, valid: &[Valid], bundles: &[Bundle], groups: &mut Groups) {
+    let (length, angle) = (case.length_tolerance, case.angle_tolerance);
+    for (v, one) in valid.iter().enumerate() {
+        let single = singles(&one.assignment);
+        for (b, bundle) in bundles.iter().enumerate() {
+            let near = |symmetry: &Symmetry| {
+                let cells = &mut one.solution.cells.iter();
+                cells.any(|cell| bundle.cell.meets(cell, symmetry.motion, length, angle))
+                    && bundle.compatible(&images(&single, symmetry))
+            };
+            if groups.root(v) != groups.root(valid.len() + b) && case.model.symmetries.iter().any(near) {
+                groups.unite(v, valid.len() + b);
+            }
+        }
+    }
 }
 
 /// Two assignments are joined iff a pose satisfies both: decided exactly, as any other conjunction.
@@ -239,38 +225,42 @@ fn join_valid(case: &Case, valid: &[Valid], groups: &mut Groups) {
     }
 }
 
-/// Two bundles are joined if their boxes touch and they may share an assignment.
+/// Two bundles are joined if their boxes touch, or do so when a symmetry moves one, and they may share an assignment.
 fn join_bundles(case: &Case, bundles: &[Bundle], groups: &mut Groups) {
     let (length, angle) = (case.length_tolerance, case.angle_tolerance);
     let mut order: Vec<usize> = (0..bundles.len()).collect();
-    let start = |k: &usize| bundles[*k].cell.mid - bundles[*k].cell.half;
-    order.sort_by(|a, b| start(a).total_cmp(&start(b)));
-    // Itself, and over the seam of the fundamental rotations.
-    for symmetry in case.model.symmetries.iter().take(2) {
-        let seam = symmetry.motion.angle() != 0.0 || case.model.symmetries.len() == 1;
-        for (at, &k) in order.iter().enumerate() {
-            let cell: &Cell = &bundles[k].cell;
-            for &j in &order[at + 1..] {
-                if !seam && start(&j) > cell.mid + cell.half + angle {
-                    break;
-                }
-                if groups.root(j) == groups.root(k) {
-                    continue;
-                }
-                let touches = cell.meets(&bundles[j].cell, symmetry.motion, length, angle);
-                let image: Vec<Vec<Feature>> =
-                    bundles[j].features.iter().map(|f| sorted(symmetry.features(f))).collect();
-                if touches && bundles[k].compatible(&image) {
-                    groups.unite(j, k);
+    order.sort_by(|a, b| bundles[*a].cell.mid.total_cmp(&bundles[*b].cell.mid));
+    let widest = bundles.iter().map(|bundle| bundle.cell.half).fold(0.0, f64::max) + angle;
+    // Fundamental rotations meet their images only where they end; with a prior, others may meet.
+    let num_symmetries = if case.prior.is_some() { usize::MAX } else { 2 };
+    for symmetry in case.model.symmetries.iter().take(num_symmetries) {
+        for &k in &order {
+            let cell = &bundles[k].cell;
+            let around = cell.mid + symmetry.motion.angle();
+            for turn in [-TAU, 0.0, TAU] {
+                let near = |j: &usize| bundles[*j].cell.mid - around - turn;
+                let from = order.partition_point(|j| near(j) < -(cell.half + widest));
+                for &j in order[from..].iter().take_while(|j| near(j) <= cell.half + widest) {
+                    if groups.root(j) != groups.root(k)
+                        && cell.meets(&bundles[j].cell, symmetry.motion, length, angle)
+                        && bundles[k].compatible(&images(&bundles[j].features, symmetry))
+                    {
+                        groups.unite(j, k);
+                    }
                 }
             }
         }
     }
 }
 
-fn sorted(mut features: Vec<Feature>) -> Vec<Feature> {
-    features.sort_unstable();
-    features
+/// Where a symmetry takes each contact's features, in order.
+fn images(features: &[Vec<Feature>], symmetry: &Symmetry) -> Vec<Vec<Feature>> {
+    let image = |features: &Vec<Feature>| {
+        let mut image = symmetry.features(features);
+        image.sort_unstable();
+        image
+    };
+    features.iter().map(image).collect()
 }
 
 fn pose_sets(case: &Shared<Case>, groups: Vec<Vec<Piece>>) -> Vec<PoseSet> {

@@ -8,6 +8,7 @@ mod distance;
 mod free;
 mod hypotheses;
 mod model;
+mod nearest;
 mod outline;
 mod polytope;
 mod pose;

@@ -3,12 +3,12 @@
 //! Cells of pose space are contracted; an empty one is a certificate that no pose lies there. A pose that satisfies
 //! the conditions exactly, or within τ, is a witness. What is neither is divided.
 
-use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
 
 use super::arc::Arc;
 use super::case::PivotPose;
 use super::cell::{Cell, Conditions};
+use super::nearest::Nearest;
 
 /// Rotations are first divided into cells of at most this half width, radians.
 const FIRST_HALF: f64 = 0.08;
@@ -81,42 +81,15 @@ fn divide(arc: Arc, largest_half: f64) -> impl Iterator<Item = Cell> {
     (0..num_pieces).map(move |k| Cell::whole(arc.start + f64::from(2 * k + 1) * half, half + outward))
 }
 
-/// A cell that may hold a witness; the one whose candidate misses least is examined first.
-struct Open {
-    miss: f64,
-    number: usize,
-    cell: Cell,
-}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.miss.total_cmp(&self.miss).then(other.number.cmp(&self.number))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Open {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Open {}
-
 /// Best first: a certificate needs all cells in any order, a witness is found early.
 fn search(conditions: &Conditions<'_>, cells: Vec<Cell>) -> Option<Witness> {
     let reach = conditions.reach();
     let mut open = BinaryHeap::new();
     let mut num_opened = 0;
-    let mut add = |open: &mut BinaryHeap<Open>, cell: Cell| {
+    let mut add = |open: &mut BinaryHeap<Nearest<Cell>>, cell: Cell| {
         if !excluded(conditions, &cell) {
             num_opened += 1;
-            open.push(Open { miss: conditions.miss(cell.candidate()), number: num_opened, cell });
+            open.push(Nearest { miss: conditions.miss(cell.candidate()), number: num_opened, value: cell });
         }
     };
     for cell in cells {
@@ -124,7 +97,7 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>) -> Option<Witness> {
     }
     let mut fallback = None;
     for num_examined in 0_u32.. {
-        let Some(Open { mut cell, .. }) = open.pop() else { break };
+        let Some(Nearest { value: mut cell, .. }) = open.pop() else { break };
         let fine = if conditions.convex() { cell.looseness(reach) } else { cell.motion(reach) }
             <= finest(conditions);
         let left =

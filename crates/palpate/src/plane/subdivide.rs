@@ -4,9 +4,12 @@
 //! Boxes of poses are divided instead, each with the features that every contact may lie on somewhere in the box,
 //! until few assignments are left in the box, or until it is small against the sensor's bounds.
 
+use std::collections::BinaryHeap;
+
 use super::arc::Arc;
 use super::case::{Case, PivotPose};
 use super::cell::Cell;
+use super::nearest::Nearest;
 use super::pose_set::explains;
 use super::site::Site;
 use super::solve::Witness;
@@ -15,8 +18,16 @@ use crate::feature::Feature;
 /// A box is left as assignments when there are at most so many.
 const FEW: usize = 4;
 
-/// A box is small when nothing in it moves by more than this share of the smallest bound.
+/// A box is small when nothing in it moves by more than this share of the smallest bound, or by less, down to the
+/// finest share, as long as there are few boxes.
 const SMALL: f64 = 0.25;
+const SMALLEST: f64 = 1.0 / 64.0;
+
+/// So many small boxes are enough to describe a set.
+const ENOUGH_BOXES: usize = 1000;
+
+/// Boxes examined at most for a witness of a group of boxes.
+const MOST_SOUGHT: usize = 50_000;
 
 /// Boxes examined at most.
 const MOST_BOXES: u64 = 4_000_000;
@@ -48,44 +59,100 @@ type Options = Vec<Vec<(Feature, Site)>>;
 
 /// Divides the poses with rotations in `rotations`; `features` are those that can be touched, in order.
 pub(crate) fn subdivide(case: &Case, features: &[Feature], rotations: Arc) -> Subdivision {
-    let all = vec![features.to_vec(); case.data.len()];
     let bound = case.data.iter().map(|datum| datum.bound).fold(f64::INFINITY, f64::min);
-    divide(case, root(case, rotations), &all, (SMALL * bound).max(0.25 * case.length_tolerance))
-}
-
-/// Divides `cell`, in which contact `i` may lie on `features[i]`, into boxes with few assignments and boxes in which
-/// nothing moves by more than `small`.
-pub(crate) fn divide(case: &Case, cell: Cell, features: &[Vec<Feature>], small: f64) -> Subdivision {
-    let site = |contact, feature: &Feature| Some((*feature, case.site(contact, *feature)?));
-    let options: Options = features
-        .iter()
-        .enumerate()
-        .map(|(contact, features)| features.iter().filter_map(|feature| site(contact, feature)).collect())
-        .collect();
-    let reach = case.data.iter().map(|datum| datum.lever.length()).fold(0.0, f64::max);
+    let mut small = (SMALL * bound).max(0.25 * case.length_tolerance);
     let mut left = Subdivision { complete: true, ..Subdivision::default() };
-    let mut stack = vec![(cell, options)];
-    while let Some((cell, options)) = stack.pop() {
-        left.examined += 1;
-        if left.examined > MOST_BOXES {
-            left.complete = false;
-            break;
-        }
-        let Some(options) = restrict(case, &cell, &options) else { continue };
-        let assignments = options.iter().map(Vec::len).fold(1_usize, usize::saturating_mul);
-        if assignments <= FEW {
-            left.sparse.push(Bundle::new(cell, &options));
-        } else if cell.motion(reach) <= small {
-            let mut bundle = Bundle::new(cell, &options);
-            bundle.witness = bundle.find_witness(case);
-            left.dense.push(bundle);
-        } else {
-            let across_rotations = cell.half * reach > cell.y_half().max_element();
-            let halves = if across_rotations { cell.split_rotations() } else { cell.split_box() };
-            stack.extend(halves.map(|half| (half, options.clone())));
+    let all = Bundle {
+        cell: root(case, rotations),
+        features: vec![features.to_vec(); case.data.len()],
+        witness: None,
+    };
+    left.divide(case, all, small);
+    while !left.dense.is_empty() && left.dense.len() < ENOUGH_BOXES && small > SMALLEST * bound {
+        small *= 0.5;
+        for bundle in std::mem::take(&mut left.dense) {
+            left.divide(case, bundle, small);
         }
     }
+    for bundle in &mut left.dense {
+        bundle.witness = bundle.find_witness(case);
+    }
     left
+}
+
+impl Subdivision {
+    /// Divides a bundle into boxes with few assignments and boxes in which nothing moves by more than `small`.
+    fn divide(&mut self, case: &Case, bundle: Bundle, small: f64) {
+        let reach = case.data.iter().map(|datum| datum.lever.length()).fold(0.0, f64::max);
+        let options = bundle.options(case);
+        let mut stack = vec![(bundle.cell, options)];
+        while let Some((cell, options)) = stack.pop() {
+            self.examined += 1;
+            if self.examined > MOST_BOXES {
+                self.complete = false;
+                return;
+            }
+            let Some(options) = restrict(case, &cell, &options) else { continue };
+            let assignments = options.iter().map(Vec::len).fold(1_usize, usize::saturating_mul);
+            if assignments <= FEW {
+                self.sparse.push(Bundle::new(cell, &options));
+            } else if cell.motion(reach) <= small {
+                self.dense.push(Bundle::new(cell, &options));
+            } else {
+                stack.extend(halves(&cell, reach).map(|half| (half, options.clone())));
+            }
+        }
+    }
+}
+
+/// Across rotations where they move more than the box is wide.
+fn halves(cell: &Cell, reach: f64) -> [Cell; 2] {
+    if cell.half * reach > cell.y_half().max_element() { cell.split_rotations() } else { cell.split_box() }
+}
+
+/// A box with a witness among the bundles, or the certificate that there is none.
+///
+/// The box whose middle misses least is divided first. A box in which nothing moves by τ/4 is valid up to τ.
+pub(crate) fn seek(case: &Case, bundles: &[Bundle]) -> Option<Bundle> {
+    let reach = case.data.iter().map(|datum| datum.lever.length()).fold(0.0, f64::max);
+    let mut open = BinaryHeap::new();
+    let mut num_opened = 0;
+    let mut add = |open: &mut BinaryHeap<Nearest<(Cell, Options)>>, cell: Cell, options: &Options| {
+        if let Some(options) = restrict(case, &cell, options) {
+            num_opened += 1;
+            let miss = miss(case, &cell, &options);
+            open.push(Nearest { miss, number: num_opened, value: (cell, options) });
+        }
+    };
+    for bundle in bundles {
+        add(&mut open, bundle.cell.clone(), &bundle.options(case));
+    }
+    for num_examined in 0.. {
+        let (cell, options) = open.pop()?.value;
+        let mut bundle = Bundle::new(cell, &options);
+        bundle.witness = bundle.find_witness(case);
+        if bundle.witness.is_some() {
+            return Some(bundle);
+        }
+        if bundle.cell.motion(reach) <= 0.5 * case.length_tolerance || num_examined >= MOST_SOUGHT {
+            return Some(bundle.settled());
+        }
+        for half in halves(&bundle.cell, reach) {
+            add(&mut open, half, &options);
+        }
+    }
+    None
+}
+
+/// By how much the middle of the cell misses the worst contact, or the prior or free space.
+fn miss(case: &Case, cell: &Cell, options: &Options) -> f64 {
+    let middle = PivotPose { angle: cell.mid, y: cell.y_mid() };
+    let contacts = options.iter().enumerate().map(|(contact, sites)| {
+        let excess = sites.iter().map(|(_, site)| case.excess(contact, site, middle, case.angle_tolerance));
+        excess.fold(f64::INFINITY, f64::min)
+    });
+    let sweeps = case.sweeps.iter().map(|sweep| sweep.intrusion(&case.model, middle));
+    contacts.chain(sweeps).fold(case.prior_excess(middle), f64::max)
 }
 
 /// All pivot points at which any contact can be near the model.
@@ -133,12 +200,21 @@ fn restrict(case: &Case, cell: &Cell, options: &Options) -> Option<Options> {
 }
 
 impl Bundle {
+    /// The features with their sites.
+    fn options(&self, case: &Case) -> Options {
+        let site = |contact, feature: &Feature| Some((*feature, case.site(contact, *feature)?));
+        let of_contact = |(contact, features): (usize, &Vec<Feature>)| {
+            features.iter().filter_map(|feature| site(contact, feature)).collect()
+        };
+        self.features.iter().enumerate().map(of_contact).collect()
+    }
+
     fn new(cell: Cell, options: &Options) -> Self {
         let features = options.iter().map(|sites| sites.iter().map(|(feature, _)| *feature).collect());
         Self { cell, features: features.collect(), witness: None }
     }
 
-    /// With its middle as the witness: nothing in it moves by as much as τ, so the middle is valid up to τ.
+    /// With its middle as the witness, valid up to τ where nothing in the box moves by as much.
     pub fn settled(mut self) -> Self {
         let pose = PivotPose { angle: self.cell.mid, y: self.cell.y_mid() };
         self.witness = Some(Witness { pose, marginal: true });
