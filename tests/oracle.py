@@ -3,6 +3,7 @@
 Nothing here is shared with the package: arrays, `scipy.optimize.linprog` and `shapely`.
 """
 
+import heapq
 import itertools
 from dataclasses import dataclass
 
@@ -140,103 +141,119 @@ def _bisect(contacts, faces, *, cells, bound, lever, finest, found, keep):
         )
 
 
-#: Directions in which stadiums are bounded for the linear programs.
-DIRECTIONS = np.stack([np.cos(np.linspace(0, 2 * np.pi, 72, endpoint=False)), np.sin(np.linspace(0, 2 * np.pi, 72, endpoint=False))])
+#: Directions in which stadiums are bounded at first.
+DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1], [0.6, 0.8], [-0.8, 0.6], [-0.6, -0.8], [0.8, -0.6]])
 
 
-def least_excess(contacts, segments):
+def least_excess(contacts, segments, *, gap):
     """Over all translations, the least of the greatest excess over the position errors, from below and above.
 
-    `segments` are C_i − R F_i. A linear program bounds it from below, its translation from above.
+    `segments` are C_i − R F_i. A linear program over half-planes around the stadiums bounds it from below, the excess
+    at its translation from above; half-planes are added there until the two are within `gap` (Kelley).
     """
-    rows, limits = [], []
-    for contact, segment in zip(contacts, segments, strict=True):
-        supports = (segment @ DIRECTIONS).max(axis=0)
-        rows.append(np.column_stack([DIRECTIONS.T, -np.ones(DIRECTIONS.shape[1])]))
-        limits.append(supports + contact.position_error)
-    solved = linprog([0, 0, 1], A_ub=np.concatenate(rows), b_ub=np.concatenate(limits), bounds=[(None, None)] * 3)
-    assert solved.status == 0, solved.message
-    place = solved.x[:2]
-    excess = max(
-        point_segment(place, *segment) - contact.position_error
-        for contact, segment in zip(contacts, segments, strict=True)
-    )
-    return solved.fun, excess
+    errors = np.array([contact.position_error for contact in contacts])
+    pairs = [(k, direction) for k in range(len(contacts)) for direction in DIRECTIONS]
+    for _ in range(30):
+        rows = [[*direction, -1.0] for _, direction in pairs]
+        limits = [(segments[k] @ direction).max() + errors[k] for k, direction in pairs]
+        solved = linprog([0, 0, 1], A_ub=rows, b_ub=limits, bounds=[(None, None)] * 3)
+        assert solved.status == 0, solved.message
+        place = solved.x[:2]
+        nearest = [nearest_on(place, segment) for segment in segments]
+        distances = np.array([np.linalg.norm(place - point) for point in nearest])
+        above = (distances - errors).max()
+        if above - solved.fun <= gap:
+            break
+        pairs += [
+            (k, (place - nearest[k]) / distances[k]) for k in range(len(contacts)) if distances[k] > 0.0
+        ]
+    return solved.fun, above
+
+
+def nearest_on(point, segment):
+    span = segment[1] - segment[0]
+    return segment[0] + np.clip((point - segment[0]) @ span / (span @ span), 0.0, 1.0) * span
 
 
 def decide(model, contacts, *, tolerance=1e-6):
-    """Every assignment of three or more contacts to faces: linear programs over the translation, rotations divided."""
+    """Every assignment of contacts to faces: linear programs over the translation, rotations divided, best first."""
     length = tolerance * model.size
     parts = [faces_of(model, contact.tip_radius) for contact in contacts]
-    centers = np.array([contact.center for contact in contacts])
-    pivot = centers.mean(axis=0)
-    reach = np.linalg.norm(centers - pivot, axis=1).max()
-    sure, possible = set(), set()
+    verdict = Verdict(set(), set())
     for assignment in pairwise(model, contacts, parts=parts, slack=2.01 * length):
-        rotations = common_rotations(
-            contacts, [part[1][face] for part, face in zip(parts, assignment, strict=True)], 1.01 * tolerance
-        )
-        strict = common_rotations(
-            contacts, [part[1][face] for part, face in zip(parts, assignment, strict=True)], 0.0
-        )
-        cells = [rotations] if rotations else []
-        while cells:
-            low, high = cells.pop()
-            middle, half = 0.5 * (low + high), 0.5 * (high - low)
-            # Rotations about the pivot: placed features move by no more than the levers of the contacts.
-            segments = [
-                center - pivot - turned(part[0][face], middle)
-                for center, part, face in zip(centers, parts, assignment, strict=True)
-            ]
-            # The translation that keeps the pivot in place absorbs a turn but for the contacts' own levers.
-            below, above = least_excess(contacts, segments)
-            if above <= 0.0 and strict and strict[0] <= middle <= strict[1]:
-                sure.add(assignment)
-                break
-            if below > 1.01 * length + half * reach:
-                continue
-            if half * reach < 0.1 * length or half < 1e-8:
-                possible.add(assignment)
-                continue
-            cells += [(low, middle), (middle, high)]
-    return Verdict(sure, possible | sure)
+        chosen = [part[0][face] for part, face in zip(parts, assignment, strict=True)]
+        normals = [part[1][face] for part, face in zip(parts, assignment, strict=True)]
+        answer = decide_assignment(contacts, chosen, normals, length=length, tolerance=tolerance)
+        if answer:
+            getattr(verdict, answer).add(assignment)
+    verdict.possible |= verdict.sure
+    return verdict
+
+
+def decide_assignment(contacts, faces, normals, *, length, tolerance):
+    """ "sure", "possible" or nothing.
+
+    Turning the placed part about the middle of the contacts moves it, seen from a contact, by no more than the
+    contact's lever (MATH 2.1.1 P3): the least excess changes no faster than that.
+    """
+    strict = common_rotations(contacts, normals, 0.0)
+    rotations = common_rotations(contacts, normals, 1.01 * tolerance)
+    centers = np.array([contact.center for contact in contacts])
+    centers = centers - centers.mean(axis=0)
+    reach = np.linalg.norm(centers, axis=1).max()
+    cells = [(-np.inf, *rotations)] if rotations else []
+    while cells:
+        _, low, high = heapq.heappop(cells)
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        segments = [center - turned(face, middle) for center, face in zip(centers, faces, strict=True)]
+        below, above = least_excess(contacts, segments, gap=0.01 * length)
+        if above <= 0.0 and strict and strict[0] <= middle <= strict[1]:
+            return "sure"
+        if below > 1.01 * length + half * reach:
+            continue
+        if half * reach < 0.1 * length:
+            return "possible"
+        cells += [(below, low, middle), (below, middle, high)]
+        heapq.heapify(cells)
+    return None
 
 
 def pairwise(model, contacts, *, parts, slack):
     """Assignments whose pairs may all hold at one of many rotations, in turn: a necessary condition, by its meaning."""
-    step = 0.01
-    touchable = [k for k, kind in enumerate(model.face_surfaces) if kind == "touchable"]
+    touchable = np.array([k for k, kind in enumerate(model.face_surfaces) if kind == "touchable"])
+    centers = np.array([contact.center for contact in contacts])
+    errors = np.array([contact.position_error for contact in contacts])
+    half = 0.005
+    ranges = [
+        np.array([rotation_range(contact, part[1][face], 1e-5) for face in touchable])
+        for contact, part in zip(contacts, parts, strict=True)
+    ]
     found = set()
-    for angle in np.arange(-np.pi, np.pi, step):
-        middle, half = angle + 0.5 * step, 0.5 * step
-        near = []
-        for contact, part in zip(contacts, parts, strict=True):
-            ranges = [rotation_range(contact, part[1][face], 1e-5) for face in touchable]
-            near.append(
-                [f for f, (m, w) in zip(touchable, ranges, strict=True) if abs(wrap(m - middle)) <= w + half]
-            )
-        if not all(near):
+    for middle in np.arange(-np.pi, np.pi, 2 * half) + half:
+        near = [touchable[np.abs(wrap(range_[:, 0] - middle)) <= range_[:, 1] + half] for range_ in ranges]
+        if not all(len(faces) for faces in near):
             continue
         segments = [
-            np.array(contact.center) - turned(part[0], middle)
-            for contact, part in zip(contacts, parts, strict=True)
+            center - turned(part[0][faces], middle)
+            for center, part, faces in zip(centers, parts, near, strict=True)
         ]
         partial = [()]
-        for k, contact in enumerate(contacts):
-            longer = []
-            for head in partial:
-                for face in near[k]:
-                    gaps = (
-                        segment_segment(*segments[j][chosen], *segments[k][face])
-                        - contacts[j].position_error
-                        - contact.position_error
-                        - half * np.linalg.norm(np.array(contact.center) - contacts[j].center)
-                        for j, chosen in enumerate(head)
-                    )
-                    if all(gap <= slack for gap in gaps):
-                        longer.append((*head, face))
-            partial = longer
-        found.update(partial)
+        for k in range(len(contacts)):
+            meets = []
+            for j in range(k):
+                (a, b), (c, d) = (np.moveaxis(segments[i], 1, 0) for i in (j, k))
+                gaps = segment_segment(a[:, None], b[:, None], c[None], d[None])
+                lever = half * np.linalg.norm(centers[k] - centers[j])
+                meets.append(gaps <= errors[j] + errors[k] + lever + slack)
+            partial = [
+                (*head, face)
+                for head in partial
+                for face in range(len(near[k]))
+                if all(meets[j][chosen, face] for j, chosen in enumerate(head))
+            ]
+        found.update(
+            tuple(int(near[k][face]) for k, face in enumerate(assignment)) for assignment in partial
+        )
     return sorted(found)
 
 
@@ -261,7 +278,7 @@ def intrusion(part, start, end, clearance):
     pieces = [piece for piece in shapely.get_parts(inner) if piece.length > 0.0]
     if not pieces:
         return clearance, 0.0
-    points = np.concatenate([shapely.line_interpolate_point(piece, np.linspace(0, piece.length, 400)) for piece in pieces])
+    points = np.concatenate([shapely.line_interpolate_point(piece, np.linspace(0, piece.length, 200)) for piece in pieces])
     depth = shapely.distance(outline, points).max()
     # The depth changes no faster than the way along the sweep.
-    return clearance + depth, max(piece.length for piece in pieces) / 399
+    return clearance + depth, max(piece.length for piece in pieces) / 199

@@ -16,7 +16,6 @@ use std::time::{Duration, Instant};
 use common::{Noise, contacts, regular};
 use fastrand::Rng;
 use glam::dvec2;
-use measure::on_one_core;
 use palpate::plane::Model;
 use serde_json::{Value, json};
 
@@ -48,7 +47,8 @@ fn main() {
     if let [name, position_error, normal_error_deg, num_contacts] = arguments.as_slice() {
         let number = |text: &str| text.parse::<f64>().expect("a number");
         let bounds = (number(position_error), number(normal_error_deg));
-        on_one_core(|| one_case(name, bounds, num_contacts.parse().expect("a count")));
+        measure::use_one_core();
+        one_case(name, bounds, num_contacts.parse().expect("a count"));
         return;
     }
     let mut rows = Vec::new();

@@ -1,7 +1,9 @@
-//! Times of recognition on one core, as JSON: pairs of contacts, growth with faces and with contacts.
+//! Times of recognition on one core, as JSON: two contacts, pose sets, growth with faces and with contacts.
 //!
 //! `make speed` writes docs/speed.md and its pictures from them.
 
+#[path = "../tests/common/bundled.rs"]
+mod bundled;
 #[path = "../tests/common/mod.rs"]
 mod common;
 mod measure;
@@ -11,12 +13,13 @@ mod parts;
 mod smooth;
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use common::{Noise, Problem, contacts, star};
 use fastrand::Rng;
 use glam::dvec2;
-use measure::{on_one_core, seconds, solve, spread};
-use palpate::plane::Model;
+use measure::{seconds, solve, spread};
+use palpate::plane::{Model, PoseSet};
 use palpate::{Settings, recognize};
 use serde_json::{Value, json};
 
@@ -24,75 +27,112 @@ use serde_json::{Value, json};
 const NOISE: Noise = Noise { position_error: 0.5, normal_error: Some(4.0 * DEGREE), tip_radius: 0.0 };
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// Random pairs of contacts on one of the six objects.
-const NUM_PAIRS: usize = 300;
+/// Random pairs of contacts on the six objects.
+const NUM_PAIRS: usize = 600;
 
-/// Random problems behind each median of the growth.
-const NUM_PROBLEMS: usize = 25;
+/// Random problems behind each point of the growth, on some random parts.
+const NUM_PROBLEMS: usize = 24;
+const NUM_PARTS: usize = 4;
+
+/// No more problems are begun for a point of the growth after this time.
+const LONGEST: Duration = Duration::from_secs(30);
 
 const FACES: [usize; 13] = [8, 12, 18, 27, 40, 60, 90, 130, 200, 300, 400, 600, 800];
 
 fn main() {
-    let figures = on_one_core(|| {
-        json!({
-            "pairs": pairs(),
-            "tables": tables(),
-            "faces": growth_with_faces(),
-            "contacts": growth_with_contacts(),
-        })
-    });
-    measure::print(&figures);
+    measure::use_one_core();
+    measure::print(&json!({
+        "position_error": NOISE.position_error,
+        "normal_error_deg": 4.0,
+        "pairs": pairs(),
+        "bundled": bundled_pairs(),
+        "queries": queries(),
+        "faces": growth_with_faces(),
+        "contacts": growth_with_contacts(),
+        "problems": NUM_PROBLEMS,
+    }));
 }
 
-/// Two contacts on one of the six objects: against all six, and against the right one alone.
+/// Two random contacts on one of the six objects: against all six, and against the right one alone.
 fn pairs() -> Value {
     let objects = parts::OBJECTS.map(parts::part);
     let mut random = Rng::with_seed(11);
     let (mut six, mut single) = (Vec::new(), Vec::new());
-    let (mut num_hypotheses, mut num_interpretations) = (Vec::new(), Vec::new());
+    let (mut hypotheses, mut interpretations) = (Vec::new(), Vec::new());
     for k in 0..NUM_PAIRS {
         let problem = contacts(&mut random, objects[k % 6].clone(), 2, &NOISE);
         let all =
             || recognize(&objects, &problem.evidence, &Settings::default()).expect("a well-formed problem");
         let found = all();
-        num_hypotheses.push(found.hypotheses.len() as f64);
-        num_interpretations.push(found.interpretation_count().at_least as f64);
+        hypotheses.push(found.hypotheses.len() as f64);
+        interpretations.push(found.interpretation_count().at_least as f64);
         six.push(seconds(all));
         single.push(seconds(|| solve(&problem)));
     }
     json!({
         "six": spread(&mut six),
         "single": spread(&mut single),
-        "hypotheses": spread(&mut num_hypotheses),
-        "interpretations": spread(&mut num_interpretations),
+        "hypotheses": spread(&mut hypotheses),
+        "interpretations": spread(&mut interpretations),
     })
 }
 
-/// The pair tables, made once with a model.
-fn tables() -> Value {
-    let time = |faces: usize| {
-        let model = smooth::pebble(faces);
-        let problem = contacts(&mut Rng::with_seed(1), model, 1, &NOISE);
-        // A fresh model has no tables yet; one contact leaves nearly nothing else to do but to make them.
-        let corners: Vec<_> = problem.model.faces.iter().map(|face| face.start).collect();
-        let fresh = || Model::polygon("fresh", &corners, &[], &[], 0.0, 0.0).expect("an outline");
-        json!({ "faces": faces, "model": seconds(fresh) })
+/// The contacts that are bundled with each of the six objects, against all six.
+fn bundled_pairs() -> Value {
+    let objects = parts::OBJECTS.map(parts::part);
+    let row = |name: &str| {
+        let evidence = bundled::evidence(name);
+        let all = || recognize(&objects, &evidence, &Settings::default()).expect("well-formed contacts");
+        json!({ "part": name, "seconds": seconds(all), "hypotheses": all().hypotheses.len() })
     };
-    [20, 200, 800].map(time).to_vec().into()
+    parts::OBJECTS.map(row).to_vec().into()
+}
+
+/// What is asked of the pose set of the true hypothesis.
+fn queries() -> Value {
+    let objects = parts::OBJECTS.map(parts::part);
+    let mut random = Rng::with_seed(12);
+    let mut times: [(&str, Vec<f64>); 5] =
+        ["contains", "sample of 100", "rotation bound", "excursion", "largest slack"]
+            .map(|name| (name, Vec::new()));
+    for k in 0..NUM_PAIRS / 3 {
+        let problem = contacts(&mut random, objects[k % 6].clone(), 2, &NOISE);
+        let poses = || true_poses(&problem);
+        let set = poses();
+        let point = problem.model.vertices[0].point;
+        times[0].1.push(seconds(|| set.contains(problem.world_from_model)));
+        times[1].1.push(seconds(|| set.sample(100, 0)));
+        times[2].1.push(seconds(|| set.rotation_bound()));
+        times[3].1.push(seconds(|| set.excursion(point)));
+        times[4].1.push(first_largest_slack(&poses()));
+    }
+    times.map(|(name, mut values)| json!({ "query": name, "seconds": spread(&mut values) })).to_vec().into()
+}
+
+fn true_poses(problem: &Problem) -> PoseSet {
+    let mut found = solve(problem).hypotheses.into_iter().map(|one| one.poses);
+    found.find(|poses| poses.contains(problem.world_from_model)).expect("the true pose is never lost")
+}
+
+/// It is found once for each set: the first time counts.
+#[expect(clippy::disallowed_methods, reason = "it measures time")]
+fn first_largest_slack(poses: &PoseSet) -> f64 {
+    let started = Instant::now();
+    std::hint::black_box(poses.largest_slack());
+    started.elapsed().as_secs_f64()
 }
 
 fn growth_with_faces() -> Value {
     let mut rows = Vec::new();
     for (shape, num_contacts) in [("star", 2), ("star", 4), ("pebble", 2), ("pebble", 4)] {
         for faces in FACES {
-            let mut random = Rng::with_seed(faces as u64);
-            let make =
-                |random: &mut Rng| if shape == "star" { star(random, faces) } else { smooth::pebble(faces) };
-            let model = make(&mut random);
-            let mut row = median_over(&mut random, &model, num_contacts);
+            let part = |random: &mut Rng| match shape {
+                "star" => star(random, faces),
+                _ => smooth::pebble(faces),
+            };
+            let mut row = point(faces as u64, num_contacts, &part);
             row["shape"] = shape.into();
             row["faces"] = faces.into();
-            eprintln!("{row}");
             rows.push(row);
         }
     }
@@ -100,38 +140,47 @@ fn growth_with_faces() -> Value {
 }
 
 fn growth_with_contacts() -> Value {
-    let mut random = Rng::with_seed(5);
-    let models = [
-        ("human-hand", parts::part("human-hand")),
-        ("star", star(&mut random, 40)),
-        ("pebble", smooth::pebble(200)),
-        ("ellipse", smooth::ellipse(200, dvec2(70.0, 50.0))),
-    ];
     let mut rows = Vec::new();
-    for (shape, model) in models {
+    for shape in ["human-hand", "star, 40 faces", "pebble, 200 faces", "ellipse, 200 faces"] {
+        let part = |random: &mut Rng| match shape {
+            "human-hand" => parts::part(shape),
+            "star, 40 faces" => star(random, 40),
+            "pebble, 200 faces" => smooth::pebble(200),
+            _ => smooth::ellipse(200, dvec2(70.0, 50.0)),
+        };
         for num_contacts in 2..=12 {
-            let mut row = median_over(&mut random, &model, num_contacts);
+            let mut row = point(5, num_contacts, &part);
             row["shape"] = shape.into();
-            eprintln!("{row}");
             rows.push(row);
         }
     }
     rows.into()
 }
 
-/// Times, hypotheses and boxes over random problems.
-fn median_over(random: &mut Rng, model: &Arc<Model>, num_contacts: usize) -> Value {
-    let problems: Vec<Problem> =
-        (0..NUM_PROBLEMS).map(|_| contacts(random, model.clone(), num_contacts, &NOISE)).collect();
-    let mut times: Vec<f64> = problems.iter().map(|problem| seconds(|| solve(problem))).collect();
-    let found: Vec<_> = problems.iter().map(solve).collect();
-    let mut boxes: Vec<f64> = found.iter().map(|found| found.reports[0].num_boxes as f64).collect();
-    let mut hypotheses: Vec<f64> = found.iter().map(|found| found.hypotheses.len() as f64).collect();
+/// Times, boxes and hypotheses of random problems on random parts.
+#[expect(clippy::disallowed_methods, reason = "it measures time")]
+fn point(seed: u64, num_contacts: usize, part: &dyn Fn(&mut Rng) -> Arc<Model>) -> Value {
+    let mut random = Rng::with_seed(seed);
+    let models: Vec<Arc<Model>> = (0..NUM_PARTS).map(|_| part(&mut random)).collect();
+    let begun = Instant::now();
+    let (mut times, mut boxes, mut hypotheses) = (Vec::new(), Vec::new(), Vec::new());
+    let mut complete = true;
+    for k in 0..NUM_PROBLEMS {
+        if begun.elapsed() > LONGEST {
+            break;
+        }
+        let problem = contacts(&mut random, models[k % NUM_PARTS].clone(), num_contacts, &NOISE);
+        let found = solve(&problem);
+        times.push(seconds(|| solve(&problem)));
+        boxes.push(found.reports[0].num_boxes as f64);
+        hypotheses.push(found.hypotheses.len() as f64);
+        complete &= found.complete;
+    }
     json!({
         "contacts": num_contacts,
         "seconds": spread(&mut times),
         "boxes": spread(&mut boxes),
         "hypotheses": spread(&mut hypotheses),
-        "complete": found.iter().all(|found| found.complete),
+        "complete": complete,
     })
 }

@@ -17,7 +17,7 @@ use fastrand::Rng;
 use glam::DVec2;
 use measure::spread;
 use palpate::plane::{Pose, ThesisPose};
-use palpate::{Contact, Feature, Interpretation, Normal};
+use palpate::{Contact, Feature, Hypothesis, Interpretation, Normal};
 use rayon::prelude::*;
 use sampled::{TrueSet, width};
 use serde_json::{Value, json};
@@ -71,7 +71,7 @@ fn compare(
         *contact = disturbed(&mut random, *contact, position_error, normal_error_deg.to_radians());
     }
     let found = measure::solve(&problem);
-    let all: Vec<Interpretation> = found.hypotheses.iter().flat_map(|one| one.interpretations()).collect();
+    let all: Vec<Interpretation> = found.hypotheses.iter().flat_map(Hypothesis::interpretations).collect();
     let one = &all[random.usize(0..all.len())];
     let thesis = one.poses.thesis_pose()?;
     let mut truth = TrueSet::new(&problem, &one.assignment, 0.0)?;

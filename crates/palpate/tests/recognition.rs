@@ -91,17 +91,19 @@ fn samples_spread_over_the_set() {
 }
 
 #[test]
-fn a_200_gon_with_eight_contacts_is_one_hypothesis() {
+fn a_200_gon_with_eight_contacts_has_few_hypotheses() {
     for seed in 0..20 {
         let mut random = Rng::with_seed(seed);
         let noise = Noise { position_error: 4.0, normal_error: Some(15_f64.to_radians()), tip_radius: 0.0 };
         let problem = contacts(&mut random, common::regular(200, 50.0), 8, &noise);
         let found = explained(&problem);
         assert!(found.complete);
-        assert_eq!(found.hypotheses.len(), 1);
-        assert!(found.hypotheses[0].poses.contains(problem.world_from_model));
+        // Mostly one; where the contacts hardly agree, slivers beside the main set have interpretations of their own.
+        assert!(found.hypotheses.len() <= 3, "seed {seed}: {} hypotheses", found.hypotheses.len());
+        assert!(found.hypotheses.iter().any(|one| one.poses.contains(problem.world_from_model)));
         let count = found.interpretation_count();
         assert!(count.at_least > 200, "{count:?}");
-        assert_eq!(found.hypotheses[0].interpretations().take(100).count(), 100);
+        let listed = found.hypotheses.iter().flat_map(Hypothesis::interpretations);
+        assert_eq!(listed.take(100).count(), 100);
     }
 }

@@ -9,10 +9,10 @@ use serde_json::{Value, json};
 
 use crate::common::Problem;
 
-/// Runs on one core.
-pub fn on_one_core<T: Send>(work: impl FnOnce() -> T + Send) -> T {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool of one thread");
-    pool.install(work)
+/// Whatever is computed from here on uses one core.
+pub fn use_one_core() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    pool.build_global().expect("the first pool of this program");
 }
 
 /// Seconds that `work` takes: the median of some runs, more of them where they are short.
@@ -29,18 +29,18 @@ pub fn seconds<T>(mut work: impl FnMut() -> T) -> f64 {
             break;
         }
     }
-    quantile(&mut times, 0.5)
+    quantile(&mut times, 50)
 }
 
-/// The share `at` of the values is no larger.
-pub fn quantile(values: &mut [f64], at: f64) -> f64 {
+/// That percentage of the values is no larger.
+pub fn quantile(values: &mut [f64], percentage: usize) -> f64 {
     values.sort_by(f64::total_cmp);
-    values[((values.len() as f64 * at) as usize).min(values.len() - 1)]
+    values[(values.len() * percentage / 100).min(values.len() - 1)]
 }
 
 /// Median, upper quantiles and the largest value.
 pub fn spread(values: &mut [f64]) -> Value {
-    let [half, most, nearly_all, all] = [0.5, 0.9, 0.99, 1.0].map(|at| quantile(values, at));
+    let [half, most, nearly_all, all] = [50, 90, 99, 100].map(|percentage| quantile(values, percentage));
     json!({ "count": values.len(), "median": half, "q90": most, "q99": nearly_all, "max": all })
 }
 

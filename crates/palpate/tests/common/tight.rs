@@ -1,5 +1,7 @@
 //! Random problems, and how much larger the bounds are than what dense sampling finds.
 
+#![allow(dead_code, reason = "each file uses its own part")]
+
 use std::sync::Arc;
 
 use fastrand::Rng;
