@@ -126,9 +126,11 @@ def test_a_miss_through_a_hypothesis_removes_it():
     through = palpate.Miss((30, 70), (30, 40), tip_radius=0.5)
     after = palpate.recognize([plate], contacts, misses=[through])
     assert [one for one in after.hypotheses if one.poses.contains(np.eye(3))]
-    assert len(after.hypotheses) == 1
-    for one in after.hypotheses:
-        assert intrusion(placed(plate, one.world_from_model), (30, 70), (30, 40), 0.5)[0] <= 1e-4
+    assert 1 <= len(after.hypotheses) < len(before.hypotheses)
+    for one in before.hypotheses:
+        excluded = [intrusion(placed(plate, pose), (30, 70), (30, 40), 0.5)[0] > 0.1 for pose in one.poses.sample(20)]
+        left = any(other.poses.contains(one.poses.witness) for other in after.hypotheses)
+        assert left != all(excluded)
 
     # A sweep right through the part leaves nothing, and it is not the contacts that conflict.
     none = palpate.recognize([plate], contacts, misses=[palpate.Miss((-50, 30), (150, 30))])

@@ -63,9 +63,12 @@ fn recognition(criterion: &mut Criterion) {
 fn explosion(criterion: &mut Criterion) {
     let noise = Noise { position_error: 4.0, normal_error: Some(15_f64.to_radians()), tip_radius: 0.0 };
     let problem = contacts(&mut Rng::with_seed(1), regular(200, 50.0), 8, &noise);
-    criterion.bench_function("200-gon, eight contacts", |bencher| {
+    let mut group = criterion.benchmark_group("many assignments");
+    group.sample_size(20);
+    group.bench_function("200-gon, eight contacts", |bencher| {
         bencher.iter(|| solve(std::slice::from_ref(&problem.model), &problem.evidence));
     });
+    group.finish();
 }
 
 /// A model and its pair tables, which are made when it is first recognized; a prior far away leaves nothing else to do.

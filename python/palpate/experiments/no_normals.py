@@ -1,0 +1,249 @@
+"""Contacts without normals: the six objects of the thesis, trigger probes, with and without a prior.
+
+    python -m palpate.experiments.no_normals
+
+A trigger probe knows where it stopped and which way it went, but no normal. Writes the table of the docs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import platform
+import sys
+import time
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from palpate import Contact, Model, Prior, __version__, load_models, recognize
+
+from .problems import matrix
+from .resumable import Result, Work, results_of
+from .shapes import Array, Shape, point_distances, signed_distances
+
+OBJECTS = ("robot-hand", "human-hand", "telephone", "boot", "camera", "beer-bottle")
+COUNTS = (3, 4, 5, 6, 7, 8)
+RADII = (0.0, 1.0)
+POSITION_ERROR = 0.5
+MAX_INCIDENCE = math.radians(60.0)
+PRIOR_TRANSLATION, PRIOR_ROTATION = 20.0, math.radians(15.0)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A row of the table."""
+
+    contacts: int
+    tip_radius: float
+    prior: bool
+
+
+SETTINGS = [Setting(count, radius, prior) for prior in (True, False) for radius in RADII for count in COUNTS]
+
+
+@cache
+def objects() -> tuple[Model, ...]:
+    """The six objects, mm."""
+    return tuple(load_models(list(OBJECTS)))
+
+
+def trigger_contact(random: Random, shape: Shape, truth: Array, *, radius: float) -> Contact:
+    """A touch at the end of a random straight move: the first place where the tip meets the part."""
+    while True:
+        angle, offset = random.uniform(-math.pi, math.pi), random.uniform(-0.6, 0.6) * shape.model.size
+        direction = np.array([math.cos(angle), math.sin(angle)])
+        middle = shape.corners.mean(axis=0)
+        at = middle - 2.0 * shape.model.size * direction + offset * np.array([-direction[1], direction[0]])
+        center = _stopped(shape, at, direction, radius=radius)
+        if center is None or -direction @ _normal_at(shape, center, radius) < math.cos(MAX_INCIDENCE):
+            continue
+        away, where = POSITION_ERROR * math.sqrt(random.random()), random.uniform(-math.pi, math.pi)
+        turn, shift = truth[:2, :2], truth[:2, 2]
+        sensed = turn @ center + shift + [away * math.cos(where), away * math.sin(where)]
+        return Contact.from_tip(sensed, radius, position_error=POSITION_ERROR, approach=turn @ direction)
+
+
+def _stopped(shape: Shape, at: Array, direction: Array, *, radius: float) -> Array | None:
+    """Where a tip that moves from `at` meets the part; None if it passes by."""
+    gone = 0.0
+    while gone < 4.0 * shape.model.size:
+        free = float(signed_distances(shape, at)) - radius
+        if free < 1e-10 * shape.model.size:
+            return at
+        # Nothing is nearer: the tip may go so far.
+        at, gone = at + free * direction, gone + free
+    return None
+
+
+def _normal_at(shape: Shape, center: Array, radius: float) -> Array:
+    """The outward normal where a tip rests."""
+    distances = point_distances(center, shape.starts, shape.ends)
+    face = int(np.argmin(distances))
+    span = shape.ends[face] - shape.starts[face]
+    along = np.clip((center - shape.starts[face]) @ span / (span @ span), 0.0, 1.0)
+    offset = center - shape.starts[face] - along * span
+    return offset / np.linalg.norm(offset) if radius > 0.0 else shape.normals[face]
+
+
+@dataclass(frozen=True)
+class Trials:
+    """So many problems for each object and setting."""
+
+    trials: int
+
+    def __call__(self, chunk: int) -> Result:
+        """One object in one setting."""
+        setting, true = SETTINGS[chunk // len(OBJECTS)], chunk % len(OBJECTS)
+        return {"answers": [self.answer(setting, true, trial=trial) for trial in range(self.trials)]}
+
+    def answer(self, setting: Setting, true: int, *, trial: int) -> dict[str, Any]:
+        """Put one problem to the recognizer."""
+        random = Random(f"{setting} {OBJECTS[true]} {trial}")
+        shape = Shape.of(objects()[true])
+        truth = matrix(random.uniform(-math.pi, math.pi), random.uniform(-300, 300), random.uniform(-300, 300))
+        contacts = [
+            trigger_contact(random, shape, truth, radius=setting.tip_radius) for _ in range(setting.contacts)
+        ]
+        prior = _prior_around(random, truth) if setting.prior else None
+        started = time.perf_counter()
+        found = recognize(objects(), contacts, prior=prior)
+        seconds = time.perf_counter() - started
+        held = [one.model_number == true and one.poses.contains(truth) for one in found.hypotheses]
+        return {
+            "found": any(held),
+            "hypotheses": len(found.hypotheses),
+            "complete": found.complete,
+            "seconds": seconds,
+        }
+
+
+def _prior_around(random: Random, truth: Array) -> Prior:
+    """Off the truth by up to its bounds."""
+    angle = math.atan2(truth[1, 0], truth[0, 0]) + random.uniform(-1.0, 1.0) * PRIOR_ROTATION
+    x, y = (truth[k, 2] + random.uniform(-1.0, 1.0) * PRIOR_TRANSLATION for k in (0, 1))
+    return Prior(matrix(angle, x, y), translation=PRIOR_TRANSLATION, rotation=PRIOR_ROTATION)
+
+
+def row_of(setting: Setting, answers: list[dict[str, Any]]) -> dict[str, Any]:
+    """A row of the table. Lost: a complete answer without the truth."""
+    hypotheses = np.array([one["hypotheses"] for one in answers])
+    seconds = np.array([one["seconds"] for one in answers])
+    complete = np.array([one["complete"] for one in answers])
+    found = np.array([one["found"] for one in answers])
+    return {
+        "prior": setting.prior,
+        "tip_radius": setting.tip_radius,
+        "contacts": setting.contacts,
+        "problems": len(answers),
+        "truth_lost": int((complete & ~found).sum()),
+        "hypotheses_median": float(np.median(hypotheses)),
+        "hypotheses_max": int(hypotheses.max()),
+        "time_median_ms": round(1e3 * float(np.median(seconds)), 2),
+        "time_p90_ms": round(1e3 * float(np.quantile(seconds, 0.9)), 2),
+        "time_max_ms": round(1e3 * float(seconds.max()), 2),
+        "incomplete_share": float(1.0 - complete.mean()),
+    }
+
+
+HEADINGS = {
+    "prior": "prior",
+    "tip_radius": "tip radius",
+    "contacts": "contacts",
+    "truth_lost": "truth lost",
+    "hypotheses_median": "hypotheses, median",
+    "hypotheses_max": "max",
+    "time_median_ms": "ms, median",
+    "time_p90_ms": "90 %",
+    "time_max_ms": "max",
+    "incomplete_share": "incomplete",
+}
+
+
+def cells_of(row: dict[str, Any]) -> list[str]:
+    """A row as text."""
+    shown = {**row, "prior": "±20, ±15°" if row["prior"] else "none"}
+    shown["incomplete_share"] = f"{100.0 * row['incomplete_share']:.0f} %"
+    return [f"{shown[key]:g}" if isinstance(shown[key], float) else str(shown[key]) for key in HEADINGS]
+
+
+def markdown_of(rows: list[dict[str, Any]], machine: str) -> str:
+    """The table for the docs."""
+    lines = [
+        "# Contacts without normals",
+        "",
+        f"The six objects together, {rows[0]['problems']} problems for each row. Trigger contacts: the centre of the tip",
+        f"within ±{POSITION_ERROR}, the direction of travel, no normal, no free path; incidence up to 60°. Each time",
+        "all six objects are recognized against. At most 1,000 hypotheses are returned; where there are more, the",
+        "answer says that it is incomplete. Lost: an answer that says it is complete without the true object and pose.",
+        f"Times on one core of {machine}.",
+        "",
+        "Written by `make table-no-normals`.",
+        "",
+        "| " + " | ".join(HEADINGS.values()) + " |",
+        "|" + " ---: |" * len(HEADINGS),
+    ]
+    return "\n".join(lines + ["| " + " | ".join(cells_of(row)) + " |" for row in rows]) + "\n"
+
+
+def machine_name() -> str:
+    """The processor, as its system calls it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command line; 0 if no truth was lost."""
+    parser = argparse.ArgumentParser(prog="no_normals", description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--trials", type=int, default=10, help="problems for each object and row (10)")
+    parser.add_argument("--workers", type=int, default=1, help="processes (1: times are those of a quiet machine)")
+    parser.add_argument("--out", type=Path, default=Path("out/no-normals"), help="folder of the results")
+    parser.add_argument("--table", type=Path, default=Path("docs/tables/no-normals.md"), help="file of the table")
+    options = parser.parse_args(arguments)
+    if options.trials < 1 or options.workers < 1:
+        parser.error("--trials and --workers must be 1 or more")
+    header = {"work": "no-normals", "version": __version__, "trials": options.trials}
+    work = Work("no-normals", Trials(options.trials), len(SETTINGS) * len(OBJECTS), header)
+    try:
+        results = results_of(work, options.out, workers=options.workers)
+    except ValueError as error:
+        parser.error(str(error))
+    per_row = [results[len(OBJECTS) * k : len(OBJECTS) * (k + 1)] for k in range(len(SETTINGS))]
+    rows = [
+        row_of(setting, [answer for one in of_row for answer in one["answers"]])
+        for setting, of_row in zip(SETTINGS, per_row, strict=True)
+    ]
+    _write(rows, options.table)
+    return 1 if any(row["truth_lost"] for row in rows) else 0
+
+
+def _write(rows: list[dict[str, Any]], path: Path) -> None:
+    machine = machine_name()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(markdown_of(rows, machine), encoding="utf-8")
+    document = {"schema": "palpate-no-normals", "version": 1, "machine": machine, "rows": rows}
+    path.with_suffix(".json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    table = Table(title="contacts without normals")
+    for heading in HEADINGS.values():
+        table.add_column(heading, justify="right")
+    for row in rows:
+        table.add_row(*cells_of(row))
+    Console(width=None if sys.stdout.isatty() else 120, highlight=False).print(table)
+
+
+if __name__ == "__main__":
+    # Under its own name, so that other processes find its classes.
+    from palpate.experiments import no_normals
+
+    sys.exit(no_normals.main())
