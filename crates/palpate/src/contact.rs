@@ -68,6 +68,10 @@ pub struct Evidence {
     pub prior: Option<Prior>,
 }
 
+/// A normal and an approach may agree in no more than the ends of their ranges; this much, radians, is granted to
+/// rounding there.
+pub(crate) const GRAZING: f64 = 1e-9;
+
 fn finite(argument: &str, value: DVec2) -> Result<DVec2, Error> {
     if value.is_finite() {
         Ok(value)

@@ -4,6 +4,7 @@ use std::sync::Arc as Shared;
 
 use rayon::prelude::*;
 
+use crate::contact::GRAZING;
 use crate::hypothesis::{Count, Hypothesis};
 use crate::plane::{self, Case, Model};
 use crate::tree::Counters;
@@ -135,7 +136,8 @@ fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> 
     }
     for (number, contact) in evidence.contacts.iter().enumerate() {
         if let (Some(normal), Some(approach)) = (contact.normal, contact.approach)
-            && normal.direction.angle_to(-approach).abs() > std::f64::consts::FRAC_PI_2 + normal.error
+            && normal.direction.angle_to(-approach).abs()
+                > std::f64::consts::FRAC_PI_2 + normal.error + GRAZING
         {
             let value = format!("normal {}, approach {approach}", normal.direction);
             let problem = "the normal points along the approach, out of the part's far side";

@@ -13,7 +13,7 @@ use super::free::Sweep;
 use super::model::Model;
 use super::pose::Pose;
 use super::site::Site;
-use crate::contact::{Contact, Evidence, Prior};
+use crate::contact::{Contact, Evidence, GRAZING, Prior};
 use crate::feature::Feature;
 
 /// A pose as rotation and the model point at the pivot.
@@ -85,6 +85,7 @@ impl Case {
         let reach = |points: &mut dyn Iterator<Item = DVec2>| points.map(DVec2::length).fold(0.0, f64::max);
         let scale = model.size
             + reach(&mut model.faces.iter().flat_map(|face| [face.start, face.end]))
+            + sweeps.iter().map(Sweep::reach).fold(0.0, f64::max)
             + data.iter().map(|datum| datum.lever.length() + datum.bound + datum.radius).fold(0.0, f64::max)
             + evidence
                 .prior
@@ -209,7 +210,8 @@ fn datum(contact: &Contact, model: &Model, pivot: DVec2) -> Datum {
 fn both(sensed: Option<Arc>, facing: Option<Arc>) -> Option<Arc> {
     match (sensed, facing) {
         (Some(sensed), Some(facing)) => {
-            Some(sensed.intersect(facing).into_iter().next().unwrap_or(Arc { width: 0.0, ..sensed }))
+            let shared = sensed.widen(GRAZING).intersect(facing.widen(GRAZING));
+            Some(shared.into_iter().next().unwrap_or(sensed))
         }
         (sensed, facing) => sensed.or(facing),
     }

@@ -186,6 +186,7 @@ impl Cell {
             }
         }
         self.cut_prior(conditions);
+        self.cut_free(conditions, PivotPose { angle: self.mid, y: self.y_mid() });
         self.shrink_to_polytope(conditions.case)
     }
 
@@ -231,15 +232,32 @@ impl Cell {
 
     /// Cuts with the tangent of contact `i`'s site, grown by its bound, that has the outward normal `direction`.
     fn cut(&mut self, conditions: &Conditions<'_>, contact: usize, site: &Site, direction: DVec2) {
-        let case = conditions.case;
-        let datum = &case.data[contact];
-        let arm = DVec2::from_angle(-self.mid).rotate(datum.lever);
+        let datum = &conditions.case.data[contact];
+        let reach = site.support(direction) + datum.bound + conditions.slack;
+        self.cut_beyond(conditions.case, datum.lever, direction, reach);
+    }
+
+    /// Cuts with `direction · (y + R(−θ) lever) <= reach`.
+    fn cut_beyond(&mut self, case: &Case, lever: DVec2, direction: DVec2, reach: f64) {
+        let arm = DVec2::from_angle(-self.mid).rotate(lever);
         let (middle, spread) = self.cosine();
         let along = direction.dot(arm);
         let normal = [-direction.dot(arm.perp()), direction.x, direction.y];
-        let reach = site.support(direction) + datum.bound + conditions.slack;
         let offset = reach - middle * along + spread * along.abs() + case.outward();
         self.polytope.cut(&HalfSpace { normal, offset }, case.scale);
+    }
+
+    /// Cuts with each sweep whose worst point is, in all of the cell, nearer to one face than to any other: it must
+    /// stay on the outer side of that face.
+    fn cut_free(&mut self, conditions: &Conditions<'_>, pose: PivotPose) {
+        let case = conditions.case;
+        for sweep in &case.sweeps {
+            let middle = PivotPose { angle: self.mid, y: self.y_mid() };
+            let motion = |lever: f64| self.motion(lever);
+            if let Some(wall) = sweep.wall(&case.model, middle, pose, motion) {
+                self.cut_beyond(case, wall.lever, -wall.normal, conditions.slack - wall.height);
+            }
+        }
     }
 
     /// Cuts with the box of translations. The condition is bilinear in (s, y): its product of deviations from the
@@ -318,6 +336,7 @@ impl Cell {
         {
             self.cut(conditions, contact, &site, direction);
         }
+        self.cut_free(conditions, pose);
         self.shrink_to_polytope(case)
     }
 

@@ -16,6 +16,14 @@ pub(crate) struct Sweep {
     clearance: f64,
 }
 
+/// A swept point, and the face on whose outer side it must stay: `normal · (y + R(−θ) lever) >= height`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wall {
+    pub lever: DVec2,
+    pub normal: DVec2,
+    pub height: f64,
+}
+
 /// Points at which an intrusion is measured, less one.
 const NUM_SAMPLES: u32 = 8;
 
@@ -63,21 +71,61 @@ impl Sweep {
     /// By how much the clearance is missed at some points of the sweep, its end among them: no bound, but a measure of
     /// how far a pose is from being free.
     pub fn intrusion(&self, model: &Model, pose: PivotPose) -> f64 {
-        let turn = DVec2::from_angle(-pose.angle);
-        let [start, end] = [self.start, self.end].map(|point| pose.y + turn.rotate(point));
-        let miss = |step: u32| {
-            let point = start.lerp(end, f64::from(step) / f64::from(NUM_SAMPLES));
-            let faces = solid(model).map(|face| to_segment(point, [face.start, face.end]));
-            let distance = faces.fold(f64::INFINITY, f64::min);
-            self.clearance - if inside(model, point) { -distance } else { distance }
+        let miss = |lever: DVec2| {
+            let point = pose.y + DVec2::from_angle(-pose.angle).rotate(lever);
+            let [nearest, _] = nearest_faces(model, point);
+            self.clearance - if inside(model, point) { -nearest.0 } else { nearest.0 }
         };
-        (0..=NUM_SAMPLES).map(miss).fold(f64::NEG_INFINITY, f64::max)
+        self.samples().map(miss).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn samples(&self) -> impl Iterator<Item = DVec2> + use<> {
+        let Self { start, end, .. } = *self;
+        (0..=NUM_SAMPLES).map(move |step| start.lerp(end, f64::from(step) / f64::from(NUM_SAMPLES)))
+    }
+
+    /// The wall of the sampled point that intrudes most at `pose`, among those that are nearer to one face than to any
+    /// other at every pose of a cell around `middle`, in which a point at a lever moves by no more than `motion`.
+    pub fn wall(
+        &self,
+        model: &Model,
+        middle: PivotPose,
+        pose: PivotPose,
+        motion: impl Fn(f64) -> f64,
+    ) -> Option<Wall> {
+        if !model.closed {
+            return None;
+        }
+        let wall = |lever: DVec2| {
+            let place = |pose: PivotPose| pose.y + DVec2::from_angle(-pose.angle).rotate(lever);
+            let [nearest, next] = nearest_faces(model, place(middle));
+            let face = &model.faces[nearest.1];
+            let height = face.normal.dot(face.start) + self.clearance;
+            let wall = Wall { lever, normal: face.normal, height };
+            let alone = nearest.0 + 2.0 * motion(lever.length()) < next.0;
+            alone.then(|| (height - face.normal.dot(place(pose)), wall))
+        };
+        self.samples().filter_map(wall).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, wall)| wall)
     }
 
     /// The largest distance of a swept point from the pivot.
     pub fn reach(&self) -> f64 {
         self.start.length().max(self.end.length())
     }
+}
+
+/// Distance and number of the nearest face that is there, and of the next.
+fn nearest_faces(model: &Model, point: DVec2) -> [(f64, usize); 2] {
+    let mut nearest = [(f64::INFINITY, 0); 2];
+    for (number, face) in model.faces.iter().enumerate().filter(|(_, face)| face.surface != Surface::Seam) {
+        let distance = to_segment(point, [face.start, face.end]);
+        if distance < nearest[0].0 {
+            nearest = [(distance, number), nearest[0]];
+        } else if distance < nearest[1].0 {
+            nearest[1] = (distance, number);
+        }
+    }
+    nearest
 }
 
 /// The faces that are there.
