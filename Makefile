@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench campaign-plane wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane table-no-normals wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -52,11 +52,26 @@ fmt: .venv/.dev ## format all sources
 	$(BIN)/ruff check --quiet --fix-only --select I
 	$(BIN)/ruff format --quiet
 
-bench: | .venv/.cargo ## time the core
-	cargo bench --quiet $(ARGS)
+bench: | .venv/.cargo ## time the core on one core of this machine
+	cargo bench --quiet --bench recognition -- $(ARGS)
+
+# What the examples of the core print is kept in target/figures; the pages are written from it.
+FIGURE = mkdir -p target/figures && cargo run --quiet --release --example $(1) > target/figures/$(1).json && \
+	$(BIN)/python -m palpate.experiments.$(1) target/figures/$(1).json $(2)
+
+speed: .venv/.built ## measure times and memory; writes docs/speed.md and its pictures anew (some minutes)
+	$(call FIGURE,speed,docs/speed.md)
+	$(call FIGURE,explosion,docs/speed.md)
+
+accuracy: .venv/.built ## measure bounds against dense sampling; writes docs/accuracy.md anew
+	$(call FIGURE,tightness,docs/accuracy.md)
+	$(call FIGURE,thesis_bounds,docs/accuracy.md)
 
 campaign-plane: .venv/.built ## 100,000 random planar problems: is anything true lost? resumes where it was stopped
 	$(BIN)/python -m palpate.experiments.campaign_plane $(ARGS)
+
+table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
+	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
 
 docs: .venv/.built .venv/.docs ## the reference of the core in target/doc; the site, if there is a mkdocs.yml, in site/
 	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --package palpate --no-deps

@@ -1,4 +1,4 @@
-"""Brute force in the plane, to hold the recognizer against: fine rotations, and at each of them plain geometry.
+"""Brute force in the plane, to hold the recognizer against: fine rotations, at each of them plain geometry.
 
 Nothing here is shared with the package: arrays, `scipy.optimize.linprog` and `shapely`.
 """
@@ -11,12 +11,12 @@ import numpy as np
 import shapely
 from scipy.optimize import linprog
 
-# MATH 2.1.1 P2: at a fixed rotation the translations that satisfy contact i are the stadium of radius ε_i about
-# C_i − R F_i. Two stadiums meet if and only if their segments are no farther apart than ε_i + ε_j.
+# At a fixed rotation the translations that satisfy contact i are the stadium of radius ε_i about C_i − R F_i.
+# Two stadiums meet if and only if their segments are no farther apart than ε_i + ε_j.
 
 
 def faces_of(model, radius=0.0):
-    """Ends of the faces moved out by a tip's radius, shape `(f, 2, 2)`, and the directions of their normals."""
+    """Ends of the faces moved out by a tip's radius, shape `(f, 2, 2)`, and the angles of their normals."""
     faces = np.array(model.faces)
     along = faces[:, 1] - faces[:, 0]
     normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
@@ -26,7 +26,9 @@ def faces_of(model, radius=0.0):
 def turned(points, angles):
     """Points of shape `(..., 2)` turned by angles that broadcast against `(...)`."""
     c, s = np.cos(angles), np.sin(angles)
-    return np.stack([c * points[..., 0] - s * points[..., 1], s * points[..., 0] + c * points[..., 1]], axis=-1)
+    return np.stack(
+        [c * points[..., 0] - s * points[..., 1], s * points[..., 0] + c * points[..., 1]], axis=-1
+    )
 
 
 def cross(a, b):
@@ -72,7 +74,7 @@ def rotation_range(contact, normal_angle, slack):
 
 
 def common_rotations(contacts, normal_angles, slack):
-    """The rotations that all normals leave, one interval or None. Every reading is narrower than half a turn."""
+    """The rotations that all normals leave, one interval or None; readings are narrower than half a turn."""
     known = [
         rotation_range(contact, angle, slack)
         for contact, angle in zip(contacts, normal_angles, strict=True)
@@ -87,7 +89,7 @@ def common_rotations(contacts, normal_angles, slack):
 
 
 def decide_pairs(model, contacts, *, tolerance=1e-6):
-    """Every assignment of two contacts to faces: least distance of the two segments over the rotations, by bisection."""
+    """Every assignment of two contacts to faces: least distance of the two segments over the rotations."""
     length = tolerance * model.size
     limit = sum(contact.position_error for contact in contacts)
     parts = [faces_of(model, contact.tip_radius) for contact in contacts]
@@ -120,7 +122,7 @@ def decide_pairs(model, contacts, *, tolerance=1e-6):
 
 
 def _bisect(contacts, faces, *, cells, bound, lever, finest, found, keep):
-    """Adds pairs whose segments come within `bound` of each other; rotations in cells, the gap has slope `lever`."""
+    """Adds pairs whose segments come within `bound` at some rotation; the gap has slope `lever` at most."""
     pairs, lows, highs = cells
     while len(pairs):
         middles, halves = 0.5 * (lows + highs), 0.5 * (highs - lows)
@@ -148,8 +150,8 @@ DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1], [0.6, 0.8], [-0.8, 0.6]
 def least_excess(contacts, segments, *, gap):
     """Over all translations, the least of the greatest excess over the position errors, from below and above.
 
-    `segments` are C_i − R F_i. A linear program over half-planes around the stadiums bounds it from below, the excess
-    at its translation from above; half-planes are added there until the two are within `gap` (Kelley).
+    `segments` are C_i − R F_i. A linear program over half-planes around the stadiums bounds it from below,
+    the excess at its translation from above; half-planes are added there until the two are within `gap`.
     """
     errors = np.array([contact.position_error for contact in contacts])
     pairs = [(k, direction) for k in range(len(contacts)) for direction in DIRECTIONS]
@@ -176,7 +178,7 @@ def nearest_on(point, segment):
 
 
 def decide(model, contacts, *, tolerance=1e-6):
-    """Every assignment of contacts to faces: linear programs over the translation, rotations divided, best first."""
+    """Every assignment of contacts to faces: linear programs over translations, rotations divided."""
     length = tolerance * model.size
     parts = [faces_of(model, contact.tip_radius) for contact in contacts]
     verdict = Verdict(set(), set())
@@ -191,10 +193,10 @@ def decide(model, contacts, *, tolerance=1e-6):
 
 
 def decide_assignment(contacts, faces, normals, *, length, tolerance):
-    """ "sure", "possible" or nothing.
+    """Whether the assignment is "sure" or "possible", or neither: None.
 
-    Turning the placed part about the middle of the contacts moves it, seen from a contact, by no more than the
-    contact's lever (MATH 2.1.1 P3): the least excess changes no faster than that.
+    Turning the placed part about the middle of the contacts moves it, seen from a contact, by no more than
+    the angle times the contact's lever: the least excess changes no faster than that.
     """
     strict = common_rotations(contacts, normals, 0.0)
     rotations = common_rotations(contacts, normals, 1.01 * tolerance)
@@ -219,7 +221,7 @@ def decide_assignment(contacts, faces, normals, *, length, tolerance):
 
 
 def pairwise(model, contacts, *, parts, slack):
-    """Assignments whose pairs may all hold at one of many rotations, in turn: a necessary condition, by its meaning."""
+    """Assignments all of whose pairs may hold at one of many rotations: a necessary condition."""
     touchable = np.array([k for k, kind in enumerate(model.face_surfaces) if kind == "touchable"])
     centers = np.array([contact.center for contact in contacts])
     errors = np.array([contact.position_error for contact in contacts])
@@ -251,9 +253,7 @@ def pairwise(model, contacts, *, parts, slack):
                 for face in range(len(near[k]))
                 if all(meets[j][chosen, face] for j, chosen in enumerate(head))
             ]
-        found.update(
-            tuple(int(near[k][face]) for k, face in enumerate(assignment)) for assignment in partial
-        )
+        found.update(tuple(int(near[k][face]) for k, face in enumerate(assignment)) for assignment in partial)
     return sorted(found)
 
 
@@ -269,7 +269,7 @@ def placed(model, pose):
 
 
 def intrusion(part, start, end, clearance):
-    """By how much a sweep is nearer to a placed part than `clearance` (negative: inside), and how well that is known."""
+    """By how much a sweep is nearer to a placed part than its clearance, and how well that is known."""
     way = shapely.LineString([start, end])
     outline = part.boundary
     if not part.intersects(way):
@@ -278,7 +278,9 @@ def intrusion(part, start, end, clearance):
     pieces = [piece for piece in shapely.get_parts(inner) if piece.length > 0.0]
     if not pieces:
         return clearance, 0.0
-    points = np.concatenate([shapely.line_interpolate_point(piece, np.linspace(0, piece.length, 200)) for piece in pieces])
+    points = np.concatenate(
+        [shapely.line_interpolate_point(piece, np.linspace(0, piece.length, 200)) for piece in pieces]
+    )
     depth = shapely.distance(outline, points).max()
     # The depth changes no faster than the way along the sweep.
     return clearance + depth, max(piece.length for piece in pieces) / 199

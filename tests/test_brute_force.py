@@ -1,4 +1,4 @@
-"""Nothing valid is missing, nothing invalid is kept: against brute force over all assignments and fine rotations."""
+"""Nothing valid is missing, nothing invalid is kept: against brute force over assignments and rotations."""
 
 import math
 from random import Random
@@ -14,7 +14,7 @@ from palpate.experiments.shapes import Shape
 
 
 def random_case(random, *, count, largest_error, bare):
-    """A part and contacts on it, on faces, some without normals; `largest_error` relative to parts 150 across."""
+    """A part and contacts on its faces, some without normals; `largest_error` on parts 150 across."""
     while True:
         part = random_part(random, random.choice(["star", "comb", "holes", "bundled", "symmetric", "loose"]))
         # Slacks are added by the recognizer; the brute force knows only contacts.

@@ -111,7 +111,7 @@ def test_a_free_pose_is_never_lost(seed):
 
 
 def test_a_miss_through_a_hypothesis_removes_it():
-    """A right-angled corner fits a square plate with a slit in several ways; a sweep through one of them ends it."""
+    """Two sides fit a square plate with a slit in several ways; a sweep through all poses of one ends it."""
     plate = palpate.Model.polygon(
         [[0, 0], [60, 0], [60, 60], [32, 60], [32, 35], [28, 35], [28, 60], [0, 60]], name="slit plate"
     )
@@ -128,7 +128,9 @@ def test_a_miss_through_a_hypothesis_removes_it():
     assert [one for one in after.hypotheses if one.poses.contains(np.eye(3))]
     assert 1 <= len(after.hypotheses) < len(before.hypotheses)
     for one in before.hypotheses:
-        excluded = [intrusion(placed(plate, pose), (30, 70), (30, 40), 0.5)[0] > 0.1 for pose in one.poses.sample(20)]
+        excluded = [
+            intrusion(placed(plate, pose), (30, 70), (30, 40), 0.5)[0] > 0.1 for pose in one.poses.sample(20)
+        ]
         left = any(other.poses.contains(one.poses.witness) for other in after.hypotheses)
         assert left != all(excluded)
 
@@ -139,7 +141,7 @@ def test_a_miss_through_a_hypothesis_removes_it():
 
 
 def test_a_sweep_that_just_touches_its_clearance_is_kept():
-    """A tip that slid along a face touched nothing; one that pressed in by more than the tolerance would have."""
+    """A tip that slid along a face touched nothing; one pressed in by more than the tolerance would have."""
     square = palpate.Model.polygon([[0, 0], [50, 0], [50, 30], [0, 30]], name="plate")
     contact = palpate.Contact((25, 0), (0, -1), position_error=0.4, normal_error=0.1)
     here = palpate.Prior(np.eye(3), translation=0.0, rotation=0.0)

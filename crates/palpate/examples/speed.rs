@@ -69,7 +69,9 @@ fn pairs() -> Value {
         six.push(seconds(all));
         single.push(seconds(|| solve(&problem)));
     }
+    let within_1ms = six.iter().filter(|time| **time <= 1e-3).count() as f64 / six.len() as f64;
     json!({
+        "within_1ms": within_1ms,
         "six": spread(&mut six),
         "single": spread(&mut single),
         "hypotheses": spread(&mut hypotheses),

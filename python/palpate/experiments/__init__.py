@@ -1,4 +1,4 @@
-"""Experiments that test what palpate promises: random problems whose answer is known, and tables for the docs.
+"""Experiments that test what palpate promises, and make the tables of the docs.
 
-Each is a module to be run: `python -m palpate.experiments.campaign_plane`, `... .no_normals`, `... .tightness`.
+Each is a module to be run, such as `python -m palpate.experiments.campaign_plane`; the Makefile names them.
 """

@@ -3,8 +3,8 @@
     python -m palpate.experiments.campaign_plane --problems 100000 --workers 2
     python -m palpate.experiments.campaign_plane --replay 4711
 
-Problem `k` of campaign `s` has the seed `s · 10⁹ + k`. What was checked is on disk after every chunk; killed and
-started again, the campaign goes on where it was, and its summary is the same.
+Problem `k` of campaign `s` has the seed `s · 10⁹ + k`. What was checked is on disk after every chunk; killed
+and started again, the campaign goes on where it was, and its summary is the same.
 """
 
 from __future__ import annotations
@@ -57,8 +57,9 @@ class Campaign:
     @property
     def work(self) -> Work:
         """In chunks."""
-        header = {"work": "campaign-plane", "version": __version__, "problems": self.problems, "seed": self.seed}
-        return Work("campaign-plane", self, -(-self.problems // CHUNK), header)
+        title = "campaign-plane"
+        header = {"work": title, "version": __version__, "problems": self.problems, "seed": self.seed}
+        return Work(title, self, -(-self.problems // CHUNK), header)
 
 
 def summary_of(campaign: Campaign, results: list[Result]) -> dict[str, Any]:
@@ -88,8 +89,15 @@ def table_of(summary: dict[str, Any]) -> Table:
     columns = {**summary["families"], "total": summary["total"]}
     for name in columns:
         table.add_column(name, justify="right")
-    rows = {"problems": "problems", **FAULTS, "incomplete": "incomplete answer", "not_listed": "too many to list"}
-    rows |= {"hypotheses": "hypotheses", "poses_checked": "poses checked", "neighbours": "other valid poses tried"}
+    rows = {
+        "problems": "problems",
+        **FAULTS,
+        "incomplete": "incomplete answer",
+        "not_listed": "too many to list",
+        "hypotheses": "hypotheses",
+        "poses_checked": "poses checked",
+        "neighbours": "other valid poses tried",
+    }
     for key, title in rows.items():
         counts = [one.get(key, 0) for one in columns.values()]
         style = "bold red" if key in FAULTS and counts[-1] else None

@@ -1,4 +1,4 @@
-"""One random problem put to the core, and everything in the answer checked against the truth and the oracle."""
+"""One random problem put to the core, and the answer checked against the truth and the oracle."""
 
 from __future__ import annotations
 
@@ -104,18 +104,14 @@ def check(seed: int) -> Outcome:
 
 def _look_at(problem: Problem, found: Recognition, evidence: Evidence) -> Answer:
     truth = problem.world_from_model
-    true = [
-        one
-        for one in found.hypotheses
-        if one.model == problem.shape.model and one.poses.contains(truth)
-    ]
+    true = [one for one in found.hypotheses if one.model == problem.shape.model and one.poses.contains(truth)]
     others = (one for one in found.hypotheses if one not in true)
     looked_at = true[:MOST_HYPOTHESES] + list(islice(others, MOST_HYPOTHESES))
     return Answer(problem, found, evidence, evidence.tolerance(TOLERANCE), true, looked_at)
 
 
 def _check_truth(answer: Answer, outcome: Outcome) -> None:
-    """The true pose and the true assignment are there; up to symmetry, where no prior tells symmetric poses apart."""
+    """The true pose and the true assignment are there, up to symmetry."""
     problem = answer.problem
     outcome.expect(bool(answer.true), "poses_lost")
     if not answer.true and not answer.found.complete:
@@ -142,10 +138,7 @@ def _check_truth(answer: Answer, outcome: Outcome) -> None:
 def _images(problem: Problem) -> list[Assignment]:
     """The true assignment as each of the model's motions onto itself takes it."""
     return [
-        [
-            (kind, faces[number] if kind == "face" else corners[number])
-            for kind, number in problem.assignment
-        ]
+        [(kind, faces[number] if kind == "face" else corners[number]) for kind, number in problem.assignment]
         for _, faces, corners in problem.shape.symmetries
     ]
 
@@ -156,7 +149,8 @@ def _listed(answer: Answer) -> Iterator[Interpretation]:
 
 
 def _check_interpretation(answer: Answer, one: Interpretation, outcome: Outcome) -> None:
-    poses = np.stack([one.poses.witness, one.world_from_model, *one.poses.sample(2, seed=answer.problem.seed)])
+    samples = one.poses.sample(2, seed=answer.problem.seed)
+    poses = np.concatenate([[one.poses.witness, one.world_from_model], samples])
     held = valid_on(answer.evidence, poses, one.assignment, slack=answer.slack)
     outcome.expect(bool(held[:2].all()), "invalid_witnesses", f"of {one.assignment}")
     outcome.expect(bool(held[2:].all()), "invalid_samples", f"of {one.assignment}")
@@ -192,7 +186,7 @@ def _check_first(evidence: Evidence, one: Interpretation, outcome: Outcome, *, s
 
 
 def _check_bounds(answer: Answer, one: Hypothesis, poses: Array, *, outcome: Outcome) -> None:
-    """Poses and the truth, in one of its symmetric places, are within rotation bound, excursion and outline."""
+    """Poses, and the truth in one of its symmetric places, are within the stated bounds and outline."""
     problem = answer.problem
     point = np.asarray(one.model.vertices[problem.seed % len(one.model.vertices)])
     limits = one.poses.rotation_bound, one.poses.excursion(point), one.poses.outline(point)
@@ -215,11 +209,31 @@ def _within(poses: Array, point: Array, limits: tuple[float, float, Array], *, r
     around = 2.0 * np.pi * np.arange(32) / 32.0
     directions = np.stack([np.cos(around), np.sin(around)])
     beyond = (placed @ directions).max(axis=0) - (outline @ directions).max(axis=0)
-    return bool(turned <= rotation_bound + 1e-9 and moved <= excursion + rounding and beyond.max() <= rounding)
+    outside = max(moved - excursion, beyond.max())
+    return bool(turned <= rotation_bound + 1e-9 and outside <= rounding)
 
 
 def _check_neighbours(answer: Answer, outcome: Outcome) -> None:
-    """Poses near the truth: the valid ones are in some hypothesis, those that a hypothesis contains are valid."""
+    """Poses near the truth: the valid ones are in some hypothesis; those in a hypothesis are valid."""
+    problem = answer.problem
+    poses = _neighbours(answer)
+    inward = Slack(-1e-9 * problem.size, -1e-9)
+    surely = valid(answer.evidence, poses, kinds=problem.kinds, slack=inward)
+    perhaps = valid(answer.evidence, poses, kinds=problem.kinds, slack=answer.slack)
+    # A hypothesis contains a pose up to symmetry, the prior allows it or not as it is.
+    symmetric = len(problem.shape.symmetries) > 1 and problem.prior is not None
+    hypotheses = [one for one in answer.found.hypotheses if one.model == problem.shape.model]
+    for pose, sure, possible in zip(poses, surely, perhaps, strict=True):
+        contained = any(one.poses.contains(pose) for one in hypotheses)
+        outcome.counts["neighbours"] += int(sure)
+        if sure and answer.found.complete:
+            outcome.expect(contained, "valid_poses_lost", f"{pose.tolist()}")
+        if contained and not symmetric:
+            outcome.expect(bool(possible), "falsely_contained", f"{pose.tolist()}")
+
+
+def _neighbours(answer: Answer) -> Array:
+    """Some poses that differ from the truth by about the bounds of the readings."""
     problem = answer.problem
     random = Random(problem.seed)
     error = problem.contacts[0].position_error
@@ -232,14 +246,4 @@ def _check_neighbours(answer: Answer, outcome: Outcome) -> None:
         turn = matrix(random.uniform(-1.0, 1.0) * far / reach, 0.0, 0.0)
         turn[:2, 2] = middle - turn[:2, :2] @ middle + [random.uniform(-far, far), random.uniform(-far, far)]
         poses.append(turn @ truth)
-    surely = valid(answer.evidence, np.array(poses), kinds=problem.kinds, slack=Slack(-1e-9 * problem.size, -1e-9))
-    perhaps = valid(answer.evidence, np.array(poses), kinds=problem.kinds, slack=answer.slack)
-    symmetric = len(problem.shape.symmetries) > 1 and problem.prior is not None
-    hypotheses = [one for one in answer.found.hypotheses if one.model == problem.shape.model]
-    for pose, sure, possible in zip(poses, surely, perhaps, strict=True):
-        contained = any(one.poses.contains(pose) for one in hypotheses)
-        outcome.counts["neighbours"] += int(sure)
-        if sure and answer.found.complete:
-            outcome.expect(contained, "valid_poses_lost", f"{pose.tolist()}")
-        if contained and not symmetric:
-            outcome.expect(bool(possible), "falsely_contained", f"{pose.tolist()}")
+    return np.array(poses)

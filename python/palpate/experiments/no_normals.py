@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import platform
 import sys
 import time
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ from rich.table import Table
 
 from palpate import Contact, Model, Prior, __version__, load_models, recognize
 
+from .pages import machine, table
 from .problems import matrix
 from .resumable import Result, Work, results_of
 from .shapes import Array, Shape, point_distances, signed_distances
@@ -108,7 +108,7 @@ class Trials:
         """Put one problem to the recognizer."""
         random = Random(f"{setting} {OBJECTS[true]} {trial}")
         shape = Shape.of(objects()[true])
-        truth = matrix(random.uniform(-math.pi, math.pi), random.uniform(-300, 300), random.uniform(-300, 300))
+        truth = matrix(random.uniform(-math.pi, math.pi), *(random.uniform(-300, 300) for _ in "xy"))
         contacts = [
             trigger_contact(random, shape, truth, radius=setting.tip_radius) for _ in range(setting.contacts)
         ]
@@ -174,42 +174,33 @@ def cells_of(row: dict[str, Any]) -> list[str]:
     return [f"{shown[key]:g}" if isinstance(shown[key], float) else str(shown[key]) for key in HEADINGS]
 
 
-def markdown_of(rows: list[dict[str, Any]], machine: str) -> str:
+def markdown_of(rows: list[dict[str, Any]]) -> str:
     """The table for the docs."""
     lines = [
         "# Contacts without normals",
         "",
-        f"The six objects together, {rows[0]['problems']} problems for each row. Trigger contacts: the centre of the tip",
-        f"within ±{POSITION_ERROR}, the direction of travel, no normal, no free path; incidence up to 60°. Each time",
-        "all six objects are recognized against. At most 1,000 hypotheses are returned; where there are more, the",
-        "answer says that it is incomplete. Lost: an answer that says it is complete without the true object and pose.",
-        f"Times on one core of {machine}.",
+        f"One of the six objects was touched, all six are asked for; {rows[0]['problems']} problems a row.",
+        f"Trigger contacts: the tip's centre within ±{POSITION_ERROR:g}, the direction of travel, no normal,",
+        "no free path; incidence up to 60°. At most 1,000 hypotheses are returned; where there are more, the",
+        "answer says that it is incomplete. Lost: an answer said to be complete, without the true object",
+        "and pose.",
+        f"Times on one core of: {machine()}.",
         "",
         "Written by `make table-no-normals`.",
         "",
-        "| " + " | ".join(HEADINGS.values()) + " |",
-        "|" + " ---: |" * len(HEADINGS),
+        table(list(HEADINGS.values()), [cells_of(row) for row in rows]),
     ]
-    return "\n".join(lines + ["| " + " | ".join(cells_of(row)) + " |" for row in rows]) + "\n"
-
-
-def machine_name() -> str:
-    """The processor, as its system calls it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
+    return "\n".join(lines) + "\n"
 
 
 def main(arguments: list[str] | None = None) -> int:
     """The command line; 0 if no truth was lost."""
     parser = argparse.ArgumentParser(prog="no_normals", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--trials", type=int, default=10, help="problems for each object and row (10)")
-    parser.add_argument("--workers", type=int, default=1, help="processes (1: times are those of a quiet machine)")
+    parser.add_argument("--trials", type=int, default=20, help="problems for each object and row (20)")
+    parser.add_argument("--workers", type=int, default=1, help="processes (1, for the times' sake)")
     parser.add_argument("--out", type=Path, default=Path("out/no-normals"), help="folder of the results")
-    parser.add_argument("--table", type=Path, default=Path("docs/tables/no-normals.md"), help="file of the table")
+    page = Path("docs/tables/no-normals.md")
+    parser.add_argument("--table", type=Path, default=page, help=f"the page ({page})")
     options = parser.parse_args(arguments)
     if options.trials < 1 or options.workers < 1:
         parser.error("--trials and --workers must be 1 or more")
@@ -229,17 +220,16 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _write(rows: list[dict[str, Any]], path: Path) -> None:
-    machine = machine_name()
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(markdown_of(rows, machine), encoding="utf-8")
-    document = {"schema": "palpate-no-normals", "version": 1, "machine": machine, "rows": rows}
+    path.write_text(markdown_of(rows), encoding="utf-8")
+    document = {"schema": "palpate-no-normals", "version": 1, "machine": machine(), "rows": rows}
     path.with_suffix(".json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
-    table = Table(title="contacts without normals")
+    shown = Table(title="contacts without normals")
     for heading in HEADINGS.values():
-        table.add_column(heading, justify="right")
+        shown.add_column(heading, justify="right")
     for row in rows:
-        table.add_row(*cells_of(row))
-    Console(width=None if sys.stdout.isatty() else 120, highlight=False).print(table)
+        shown.add_row(*cells_of(row))
+    Console(width=None if sys.stdout.isatty() else 120, highlight=False).print(shown)
 
 
 if __name__ == "__main__":

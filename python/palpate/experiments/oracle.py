@@ -1,8 +1,9 @@
-"""Whether poses satisfy the evidence, by the definitions of validity alone and plain array code: no part of the core.
+"""Whether poses satisfy the evidence, by the definition of validity: plain array code, no part of the core.
 
-A pose is valid if for every contact there are a point `x` of a placed feature and an outward normal `n` there with
-`|center − (x + r n)| <= position_error`, an angle of at most `normal_error` between `n` and the sensed normal, and
-`−approach · n >= 0`; if no sweep is nearer to the placed part than its clearance; and if the prior allows it.
+A pose is valid if for every contact there are a point `x` of a placed feature and an outward normal `n` there
+with `|center − (x + r n)| <= position_error`, an angle of at most `normal_error` between `n` and the sensed
+normal, and `−approach · n >= 0`; if no sweep is nearer to the placed part than its clearance; and if the
+prior allows it.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -18,7 +20,8 @@ from palpate import Contact, Miss, Prior
 from .shapes import Array, Mask, Shape, point_distances, wrap
 from .sweeps import least_distances
 
-Assignment = list[tuple[str, int]]
+Feature = tuple[Literal["face", "vertex"], int]
+Assignment = list[Feature]
 
 #: Rounding, as a share of the lengths that occur.
 ROUNDING = 1e-11
@@ -49,7 +52,12 @@ class Evidence:
 
     @classmethod
     def of(
-        cls, shape: Shape, contacts: Sequence[Contact], *, misses: Sequence[Miss] = (), prior: Prior | None = None
+        cls,
+        shape: Shape,
+        contacts: Sequence[Contact],
+        *,
+        misses: Sequence[Miss] = (),
+        prior: Prior | None = None,
     ) -> Evidence:
         """The evidence as one model sees it: its slacks are added to the bounds."""
         model = shape.model
@@ -119,7 +127,7 @@ def _of_contact(contact: Contact) -> tuple[Array, Array, float] | None:
 
 @dataclass(frozen=True)
 class Explained:
-    """For poses `p`, contacts `n`, whether each face and each corner explains the contact: `(p, n, f)`, `(p, n, v)`."""
+    """Whether each face and each corner explains a contact at a pose; shapes `(p, n, f)` and `(p, n, v)`."""
 
     faces: Mask
     corners: Mask
@@ -129,15 +137,15 @@ class Explained:
         none = np.zeros(self.faces.shape[:2], dtype=bool)
         by_face = self.faces.any(axis=2) if "face" in kinds else none
         by_corner = self.corners.any(axis=2) if "vertex" in kinds else none
-        return np.asarray((by_face | by_corner).all(axis=1))
+        held: Mask = np.all(by_face | by_corner, axis=1)
+        return held
 
     def by(self, assignment: Assignment) -> Mask:
         """Whether all contacts are explained by their features; shape `(p,)`."""
-        columns = [
-            (self.faces if kind == "face" else self.corners)[:, contact, number]
-            for contact, (kind, number) in enumerate(assignment)
-        ]
-        return np.asarray(np.all(columns, axis=0))
+        held = np.ones(len(self.faces), dtype=bool)
+        for contact, (kind, number) in enumerate(assignment):
+            held &= (self.faces if kind == "face" else self.corners)[:, contact, number]
+        return held
 
 
 def explain(evidence: Evidence, poses: Array, slack: Slack) -> Explained:
@@ -147,14 +155,15 @@ def explain(evidence: Evidence, poses: Array, slack: Slack) -> Explained:
     places = np.einsum("pji,pnj->pni", poses[:, :2, :2], offsets)
     bounds = evidence.bounds[None, :, None] + slack.length
     faces = (_face_distances(evidence, places) <= bounds) & _faces_agree(evidence, angles, slack)
-    corners = _corner_distances(evidence, places, angles, slack) <= bounds
+    corners = _corner_distances(evidence, places, angles, slack=slack) <= bounds
     return Explained(
-        faces & evidence.shape.touchable_faces[None, None], corners & evidence.shape.touchable_corners[None, None]
+        faces & evidence.shape.touchable_faces[None, None],
+        corners & evidence.shape.touchable_corners[None, None],
     )
 
 
 def _face_distances(evidence: Evidence, places: Array) -> Array:
-    """From the centres of tips, model frame, `(p, n, 2)`, to the faces moved out by the radius; `(p, n, f)`."""
+    """From the centres of tips, `(p, n, 2)`, model frame, to the faces moved out by the radius."""
     shape = evidence.shape
     distances = []
     for contact, radius in enumerate(evidence.radii):
@@ -171,10 +180,11 @@ def _faces_agree(evidence: Evidence, angles: Array, slack: Slack) -> Mask:
     return np.asarray((turned <= halves[None, :, :, None] + slack.angle).all(axis=2))
 
 
-def _corner_distances(evidence: Evidence, places: Array, angles: Array, slack: Slack) -> Array:
-    """From the centres of tips to the arcs of the tip's radius about the corners; infinite where no normal is allowed.
+def _corner_distances(evidence: Evidence, places: Array, angles: Array, *, slack: Slack) -> Array:
+    """From the centres of tips to the arcs of the tip's radius about the corners; infinite where none agrees.
 
-    The nearest point of an arc, or of the common part of several, is straight from its centre or an end of one.
+    The nearest point of an arc, or of the common part of several, is straight from its centre or an end of
+    one of them.
     """
     shape = evidence.shape
     offsets = places[:, :, None] - shape.corners
@@ -184,7 +194,10 @@ def _corner_distances(evidence: Evidence, places: Array, angles: Array, slack: S
         middles = evidence.readings[None, :, kind, 0] - angles[:, None]
         halves = np.minimum(evidence.readings[:, kind, 1] + slack.angle, 10.0)
         arcs.append(
-            (np.broadcast_to(middles[..., None], own.shape), np.broadcast_to(halves[None, :, None], own.shape))
+            (
+                np.broadcast_to(middles[..., None], own.shape),
+                np.broadcast_to(halves[None, :, None], own.shape),
+            )
         )
     tried = [np.arctan2(offsets[..., 1], offsets[..., 0])]
     tried += [middle + sign * half for middle, half in arcs for sign in (-1.0, 1.0)]

@@ -1,7 +1,7 @@
 """Pages of the documentation, parts of which a command writes anew.
 
-Such a part stands between two lines, `<!-- made: NAME -->` and `<!-- end: NAME -->`; the rest of a page is nobody's
-but its author's.
+Such a part stands between two lines, `<!-- made: NAME -->` and `<!-- end: NAME -->`; the rest of a page
+is its author's.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ import numpy as np
 
 from palpate import Contact, Miss, Model, Prior, Recognition, recognize
 
-from .oracle import Assignment, Evidence
+from .oracle import Assignment, Evidence, Feature
 from .random_free_space import add_misses, with_start
 from .random_parts import FAMILIES, bundled, log_uniform, random_part
 from .shapes import Array, Shape
@@ -128,7 +128,7 @@ def _random_bounds(random: Random, unit: float) -> Bounds:
 
 def _random_touch(
     random: Random, shape: Shape, truth: Array, *, bounds: Bounds, vertices: bool
-) -> tuple[Contact, tuple[str, int]]:
+) -> tuple[Contact, Feature]:
     """A contact on a random place of the part, and the feature it lies on."""
     feature, point, normal_angle = _random_place(random, shape, vertices=vertices)
     turn = math.atan2(truth[1, 0], truth[0, 0])
@@ -162,10 +162,8 @@ def _random_touch(
     return contact, feature
 
 
-def _random_place(
-    random: Random, shape: Shape, *, vertices: bool
-) -> tuple[tuple[str, int], Array, float]:
-    """A feature, a point of it and the direction of the normal there, model frame. Some at the ends of faces."""
+def _random_place(random: Random, shape: Shape, *, vertices: bool) -> tuple[Feature, Array, float]:
+    """A feature, a point of it and the angle of the normal there, model frame. Some are ends of faces."""
     if vertices and random.random() < 0.25:
         corner = random.choice(np.flatnonzero(shape.touchable_corners).tolist())
         aside = random.choice((-1.0, 1.0)) if random.random() < 0.2 else random.uniform(-1.0, 1.0)

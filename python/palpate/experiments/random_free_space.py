@@ -58,7 +58,7 @@ def add_misses(random: Random, shape: Shape, truth: Array) -> tuple[Miss, ...]:
 
 
 def _random_miss(random: Random, shape: Shape, truth: Array) -> Miss | None:
-    """Along or past a random face, on the outside; its clearance is at most what the truth leaves, often just that."""
+    """Along or past a random face; its clearance is at most what the truth leaves, often just that."""
     size = shape.model.size
     for _ in range(5):
         start, end = _random_sweep(random, shape)
@@ -73,9 +73,7 @@ def _random_miss(random: Random, shape: Shape, truth: Array) -> Miss | None:
         radius = clearance + path_error
         if radius < 0.0:
             radius, path_error = 0.0, -clearance
-        return Miss(
-            in_world(truth, start), in_world(truth, end), tip_radius=radius, path_error=path_error
-        )
+        return Miss(in_world(truth, start), in_world(truth, end), tip_radius=radius, path_error=path_error)
     return None
 
 

@@ -1,4 +1,4 @@
-"""Random parts: stars, combs with many parallel faces, parts with holes, symmetric ones, loose faces, bundled ones."""
+"""Random parts: stars, combs with many parallel faces, with holes, symmetric, loose faces, bundled."""
 
 from __future__ import annotations
 
@@ -39,12 +39,15 @@ def random_part(random: Random, family: str) -> Model:
     }[family]
     scale = random.choice((1e-3, 1.0 / 25.4, 1e3)) if random.random() < 0.1 else 1.0
     origin = (random.uniform(-80.0, 80.0), random.uniform(-80.0, 80.0))
-    slacks = {}
+    slacks = (0.0, 0.0)
     if random.random() < 0.1:
-        slacks = {"position_slack": scale * random.uniform(0.0, 0.5), "normal_slack": random.uniform(0.0, 0.05)}
+        slacks = (scale * random.uniform(0.0, 0.5), random.uniform(0.0, 0.05))
     while True:
         outline, holes = make(random)
-        loops = [[(scale * (x + origin[0]), scale * (y + origin[1])) for x, y in loop] for loop in (outline, *holes)]
+        loops = [
+            [(scale * (x + origin[0]), scale * (y + origin[1])) for x, y in loop]
+            for loop in (outline, *holes)
+        ]
         count = sum(map(len, loops))
         untouchable = random.sample(range(count), random.randint(1, 2)) if random.random() < 0.1 else []
         try:
@@ -53,7 +56,14 @@ def random_part(random: Random, family: str) -> Model:
                 if "touchable" in part.face_surfaces:
                     return part
                 continue
-            return Model.polygon(loops[0], name=family, holes=loops[1:], untouchable=untouchable, **slacks)
+            return Model.polygon(
+                loops[0],
+                name=family,
+                holes=loops[1:],
+                untouchable=untouchable,
+                position_slack=slacks[0],
+                normal_slack=slacks[1],
+            )
         except ValueError:
             continue  # it crosses itself, or a hole is outside: another one
 
@@ -72,7 +82,7 @@ def _star_part(random: Random) -> tuple[list[Point], list[list[Point]]]:
 
 
 def _comb(random: Random) -> tuple[list[Point], list[list[Point]]]:
-    """Teeth upward on a bar; one in three has every corner a little off, so that nothing is quite parallel."""
+    """Teeth upward on a bar; in one of three every corner is a little off, and nothing quite parallel."""
     teeth = random.randint(1, 6)
     pitch, height = random.uniform(8.0, 20.0), random.uniform(10.0, 40.0)
     corners = [(0.0, 0.0), (pitch * teeth, 0.0)]
@@ -110,11 +120,18 @@ def _symmetric(random: Random) -> tuple[list[Point], list[list[Point]]]:
     ], []
 
 
-def _loose(random: Random, corners: list[Point], slacks: dict[str, float]) -> Model:
+def _loose(random: Random, corners: list[Point], slacks: tuple[float, float]) -> Model:
     """Most faces of an outline; some of them seams, some untouchable."""
     faces = [(corner, corners[(k + 1) % len(corners)]) for k, corner in enumerate(corners)]
     left = [face for face in faces if random.random() < 0.85]
     numbers = [random.random() for _ in left]
     seams = [k for k, number in enumerate(numbers) if number < 0.1]
     untouchable = [k for k, number in enumerate(numbers) if number > 0.9]
-    return Model.segments(left, name="loose", seams=seams, untouchable=untouchable, **slacks)
+    return Model.segments(
+        left,
+        name="loose",
+        seams=seams,
+        untouchable=untouchable,
+        position_slack=slacks[0],
+        normal_slack=slacks[1],
+    )

@@ -1,4 +1,4 @@
-"""Long work in chunks: over processes, each result on disk before the next, taken up again where it was stopped."""
+"""Long work in chunks: over processes, each result on disk at once, taken up again where it was stopped."""
 
 from __future__ import annotations
 
@@ -61,9 +61,8 @@ def _claim(path: Path, header: Result) -> None:
     if path.exists():
         there = json.loads(path.read_text(encoding="utf-8"))
         if there != header:
-            raise ValueError(
-                f"out: {str(path.parent)!r} holds other results, of {there}: name another folder, or remove it"
-            )
+            problem = f"out: {str(path.parent)!r} holds other results, of {there}"
+            raise ValueError(f"{problem}: name another folder, or remove it")
     else:
         path.write_text(json.dumps(header, indent=1) + "\n", encoding="utf-8")
 
@@ -89,9 +88,7 @@ def _compute(work: Work, numbers: list[int], *, workers: int) -> Iterator[tuple[
             _advance(progress, task)
 
 
-def _spread(
-    chunk: Callable[[int], Result], numbers: list[int], workers: int
-) -> Iterator[tuple[int, Result]]:
+def _spread(chunk: Callable[[int], Result], numbers: list[int], workers: int) -> Iterator[tuple[int, Result]]:
     # One thread each: the processes are what is parallel.
     os.environ.setdefault("RAYON_NUM_THREADS", "1")
     if workers == 1:
@@ -139,4 +136,6 @@ def _advance(progress: Progress, task: TaskID) -> None:
     state = progress.tasks[0]
     total, done = int(state.total or 0), int(state.completed)
     if progress.disable and done * 10 // total != (done - 1) * 10 // total:
-        Console(stderr=True, width=110).print(f"{state.description}: {done} of {total} chunks", highlight=False)
+        Console(stderr=True, width=110).print(
+            f"{state.description}: {done} of {total} chunks", highlight=False
+        )

@@ -24,8 +24,8 @@ def wrap(angle: Array) -> Array:
 class Shape:
     """Faces and corners of a model; normals and cones are worked out here, from the ends of the faces.
 
-    `starts`, `ends` and `normals` have shape `(f, 2)`, `corners` `(v, 2)`, model frame. The outward normals of a
-    corner are within `cone_halves` of `cone_middles`; it can be touched where `touchable_corners`.
+    `starts`, `ends` and `normals` have shape `(f, 2)`, `corners` `(v, 2)`, model frame. The outward normals
+    of a corner are within `cone_halves` of `cone_middles`; it can be touched where `touchable_corners`.
     """
 
     model: Model
@@ -48,7 +48,7 @@ class Shape:
         surfaces = np.array(model.face_surfaces)
         touchable = surfaces == "touchable"
         corners = np.array(model.vertices).reshape(-1, 2)
-        open_corners, middles, halves = _cones(corners, faces, surfaces, model.size)
+        open_corners, middles, halves = _cones(corners, faces, surfaces, size=model.size)
         return cls(
             model=model,
             starts=starts,
@@ -79,7 +79,7 @@ class Shape:
 
     @cached_property
     def symmetries(self) -> list[tuple[Array, list[int], list[int]]]:
-        """Each motion of the model onto itself, and the numbers of the faces and corners where it takes each."""
+        """Each motion of the model onto itself, and to which face and corner it takes each."""
         faces = np.concatenate([self.starts, self.ends], axis=1)
         corners = np.concatenate([self.corners, self.corners], axis=1)
         motions = np.array(self.model.symmetries)
@@ -88,13 +88,15 @@ class Shape:
 
 def _images(marks: Array, motion: Array) -> list[int]:
     """Numbers of the marks, two points each, shape `(m, 4)`, on which the motion brings each of them."""
-    moved = np.concatenate([part @ motion[:2, :2].T + motion[:2, 2] for part in (marks[:, :2], marks[:, 2:])], axis=1)
+    moved = np.concatenate(
+        [part @ motion[:2, :2].T + motion[:2, 2] for part in (marks[:, :2], marks[:, 2:])], axis=1
+    )
     gaps = np.linalg.norm(moved[:, None] - marks[None], axis=2)
     return [int(k) for k in np.argmin(gaps, axis=1)]
 
 
 def _cones(
-    corners: Array, faces: Array, surfaces: NDArray[np.str_], size: float
+    corners: Array, faces: Array, surfaces: NDArray[np.str_], *, size: float
 ) -> tuple[Mask, Array, Array]:
     """Which corners can be touched, and the middles and halves of their cones of normals."""
     there = surfaces != "seam"
@@ -125,7 +127,7 @@ def point_distances(points: Array, starts: Array, ends: Array) -> Array:
 
 
 def inside(shape: Shape, points: Array) -> Mask:
-    """Whether points `(..., 2)` are in the material of a closed model; shape `(...)`. Never in an open one."""
+    """Whether points `(..., 2)` are in the material of a closed model; never in an open one."""
     if not shape.model.closed:
         return np.zeros(points.shape[:-1], dtype=bool)
     starts, ends = shape.solid

@@ -5,22 +5,24 @@ python -m palpate.experiments.speed FIGURES.json docs/speed.md
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from palpate.plots.style import COLORS, RC, new_figure, save_figure
 
-from .pages import Figures, arguments, duration, machine, rewrite, table
+from .pages import Figures, arguments, duration, machine, rewrite, share, table
 
 Curve = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
-MARKERS = ("o", "s", "^", "D")
+MARKERS = ("o", "s")
 
 #: The exponent is fitted from here on: below, what every recognition does once is most of the time.
-FITTED_FACES = 40.0
+FITTED_FACES = 90.0
 
 
 def two_contacts(figures: Figures) -> str:
@@ -33,22 +35,21 @@ def two_contacts(figures: Figures) -> str:
         ["against the right one", *(duration(pairs["single"][key]) for key in quantiles)],
         ["hypotheses, of all six", *(f"{pairs['hypotheses'][key]:.0f}" for key in quantiles)],
     ]
-    bundled = [
-        [row["part"], duration(row["seconds"]), str(row["hypotheses"])] for row in figures["bundled"]
-    ]
+    bundled = [[row["part"], duration(row["seconds"]), str(row["hypotheses"])] for row in figures["bundled"]]
     queries = [
         [row["query"], *(duration(row["seconds"][key]) for key in quantiles)] for row in figures["queries"]
     ]
+    num_queries = figures["queries"][0]["seconds"]["count"]
     return "\n\n".join(
         [
             f"Measured on: {machine()}; one of them is used. Bounds: ±{figures['position_error']:g} and "
             f"±{figures['normal_error_deg']:g}°.",
-            f"{pairs['six']['count']} random pairs of contacts, each object as often as the others:",
+            f"{pairs['six']['count']} random pairs of contacts, each object as often as the others; "
+            f"{share(pairs['within_1ms'])} of them take 1 ms or less against all six:",
             table(header, times),
             "The bundled contacts of each object, against all six:",
             table(["", "time", "hypotheses, of all six"], bundled),
-            f"What is asked of the pose set of the true hypothesis ({figures['queries'][0]['seconds']['count']} of "
-            "them):",
+            f"What is asked of a true hypothesis's pose set, {num_queries} times:",
             table(header, queries),
         ]
     )
@@ -64,8 +65,8 @@ def growth(figures: Figures) -> str:
     cut = [row for row in every if not row["complete"]]
     largest = max(every, key=lambda row: row["seconds"]["max"])
     notes = [
-        f"Each point is the median over {figures['problems']} random problems on 4 parts. The slowest problem of all "
-        f"took {duration(largest['seconds']['max'])} ({_name(largest)}).",
+        f"Each point is the median over {figures['problems']} random problems on 4 parts. The slowest "
+        f"problem of all took {duration(largest['seconds']['max'])} ({_name(largest)}).",
         f"Points that rest on fewer problems, as these took too long together: {_names(few)}.",
         f"Points with answers of more than 1,000 hypotheses, which are cut there and say so: {_names(cut)}.",
     ]
@@ -113,36 +114,60 @@ def _fit(curve: Curve, least: float) -> NDArray[np.float64]:
     return np.polyfit(np.log(size[fitted]), np.log(median[fitted]), 1)
 
 
-def draw(curves: dict[str, Curve], path: Path, *, of: str, least: float = 0.0) -> None:
-    """Medians, the range up to 90 %, and the fitted power for each curve, with its exponent."""
+def draw(panels: Sequence[dict[str, Curve]], path: Path, *, of: str, least: float = 0.0) -> None:
+    """Panels beside each other: medians, the range up to 90 %, and the fitted power with its exponent."""
     with mpl.rc_context(RC):
-        figure = new_figure((7.0, 4.6))
-        axes: Axes = figure.add_subplot()
-        for number, (name, curve) in enumerate(curves.items()):
-            size, median, upper = curve
-            slope, offset = _fit(curve, least)
-            color = COLORS[number % len(COLORS)]
-            axes.fill_between(size, 1e3 * median, 1e3 * upper, color=color, alpha=0.12, linewidth=0)
-            label = f"{name}:  ∝ {of}$^{{\\,{slope:.2f}}}$"
-            axes.plot(
-                size, 1e3 * median, MARKERS[number % len(MARKERS)], color=color, markersize=4.5, label=label
-            )
-            fitted = size[size >= least]
-            axes.plot(fitted, 1e3 * np.exp(offset) * fitted**slope, color=color, linewidth=1.2)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        ticks = [8, 20, 50, 100, 200, 400, 800] if of == "faces" else [2, 3, 4, 5, 6, 8, 10, 12]
-        axes.set_xticks(ticks, [str(tick) for tick in ticks])
-        axes.minorticks_off()
-        axes.set_xlabel(of)
-        axes.set_ylabel("time, ms")
-        axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-        axes.grid(which="major", color="#E4E4E4", linewidth=0.7)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.legend(loc="upper left", handlelength=1.0)
+        figure = new_figure((9.0, 4.2))
+        for number, axes in enumerate(figure.subplots(1, len(panels), sharey=True)):
+            for place, (name, curve) in enumerate(panels[number].items()):
+                style = COLORS[place], MARKERS[place]
+                _draw_curve(axes, curve, label=f"{name}:  ∝ {of}", style=style, least=least)
+            _finish(axes, of)
+            if number == 0:
+                axes.set_ylabel("time on one core")
         for suffix in (".svg", ".png"):
             save_figure(figure, path.with_suffix(suffix))
+
+
+def _draw_curve(axes: Axes, curve: Curve, *, label: str, style: tuple[str, str], least: float) -> None:
+    size, median, upper = curve
+    slope, offset = _fit(curve, least)
+    color, marker = style
+    axes.fill_between(size, median, upper, color=color, alpha=0.12, linewidth=0)
+    exponent = f"$^{{\\,{slope:.2f}}}$"
+    axes.plot(
+        size, median, linestyle="none", marker=marker, color=color, markersize=4.5, label=label + exponent
+    )
+    fitted = size[size >= least]
+    axes.plot(fitted, np.exp(offset) * fitted**slope, color=color, linewidth=1.2)
+
+
+def _finish(axes: Axes, of: str) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    ticks = [8, 20, 50, 100, 200, 400, 800] if of == "faces" else [2, 3, 4, 5, 6, 8, 10, 12]
+    axes.set_xticks(ticks, [str(tick) for tick in ticks])
+    axes.minorticks_off()
+    axes.set_xlabel(of)
+    axes.yaxis.set_major_locator(LogLocator(numticks=20))
+    axes.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
+    axes.grid(which="major", color="#E4E4E4", linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(loc="upper left", handlelength=1.0)
+
+
+def power_of_ten(seconds: float) -> str:
+    """A tick: `10 µs`, `1 ms`, `100 s`."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= 0.999 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{seconds / 1e-9:.0f} ns"
+
+
+def _halves(curves: dict[str, Curve]) -> list[dict[str, Curve]]:
+    both = list(curves.items())
+    return [dict(both[:2]), dict(both[2:])]
 
 
 def main() -> None:
@@ -150,8 +175,8 @@ def main() -> None:
     figures, page = arguments("the tables and pictures of times in docs/speed.md")
     pictures = page.parent / "pictures"
     pictures.mkdir(exist_ok=True)
-    draw(_face_curves(figures), pictures / "growth-faces.svg", of="faces", least=FITTED_FACES)
-    draw(_contact_curves(figures), pictures / "growth-contacts.svg", of="contacts")
+    draw(_halves(_face_curves(figures)), pictures / "growth-faces.svg", of="faces", least=FITTED_FACES)
+    draw(_halves(_contact_curves(figures)), pictures / "growth-contacts.svg", of="contacts")
     rewrite(page, "two-contacts", two_contacts(figures))
     rewrite(page, "growth", growth(figures))
 

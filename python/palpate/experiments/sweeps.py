@@ -13,8 +13,8 @@ SHARE = 1e-10
 def least_distances(shape: Shape, starts: Array, ends: Array) -> Array:
     """The least signed distance to the part over each segment, model frame; `(..., 2)` both, shape `(...)`.
 
-    Outside, the nearest points of two segments that do not cross include an end of one of them. Inside, it is the
-    greatest depth.
+    Outside, the nearest points of two segments that do not cross include an end of one of them. Inside, it is
+    the greatest depth.
     """
     faces = shape.solid
     to_faces = np.minimum(point_distances(starts, *faces), point_distances(ends, *faces)).min(axis=-1)
@@ -56,8 +56,8 @@ def _crosses(shape: Shape, starts: Array, ends: Array) -> np.ndarray:
 def depth(shape: Shape, start: Array, end: Array) -> float:
     """How deep in the part a segment reaches, at most; zero if it stays outside.
 
-    The distance to each face is convex along the segment, so that between two points it is no more than at the
-    farther one: the least of these over all faces bounds the depth between them.
+    The distance to each face is convex along the segment, so that between two points it is no more than at
+    the farther one: the least of these over all faces bounds the depth between them.
     """
     faces = shape.solid
     span = end - start

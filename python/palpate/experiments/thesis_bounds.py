@@ -1,4 +1,4 @@
-"""The tables of the thesis's own bounds in docs/accuracy.md, from what the Rust example `thesis_bounds` measured.
+"""The thesis's own bounds in docs/accuracy.md, from what the Rust example `thesis_bounds` measured.
 
 python -m palpate.experiments.thesis_bounds FIGURES.json docs/accuracy.md
 """
@@ -58,7 +58,11 @@ def _rotation(row: Figures) -> list[str]:
 
 
 def _nominal(row: Figures) -> list[str]:
-    return [share(row[key]) for key in ("nominal_invalid", "first_invalid", "none_at_nominal")]
+    return [
+        share(row["nominal_invalid"]),
+        share(row["first_invalid"]),
+        share(row["translation"]["none_at_nominal"]),
+    ]
 
 
 def _translation(row: Figures) -> list[str]:

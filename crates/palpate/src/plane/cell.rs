@@ -80,7 +80,7 @@ impl<'a> Conditions<'a> {
             .sites
             .iter()
             .map(|(contact, site)| self.case.excess(*contact, site, pose, self.case.angle_tolerance));
-        let sweeps = self.case.sweeps.iter().map(|sweep| sweep.intrusion(&self.case.model, pose));
+        let sweeps = self.case.sweeps.iter().map(|sweep| sweep.intrusion(&self.case.model, pose).0);
         contacts.chain(sweeps).fold(self.case.prior_excess(pose), f64::max)
     }
 

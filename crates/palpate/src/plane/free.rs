@@ -24,8 +24,11 @@ pub(crate) struct Wall {
     pub height: f64,
 }
 
-/// Points at which an intrusion is measured, less one.
-const NUM_SAMPLES: u32 = 8;
+/// Points at which an intrusion is measured first, less one.
+const NUM_SAMPLES: u32 = 24;
+
+/// Steps by which the worst of them is refined.
+const NUM_THIRDS: u32 = 24;
 
 impl Sweep {
     /// Of every miss, and of every contact that says where its move began.
@@ -68,15 +71,29 @@ impl Sweep {
         model.closed && deeper(model, path, -clearance)
     }
 
-    /// By how much the clearance is missed at some points of the sweep, its end among them: no bound, but a measure of
-    /// how far a pose is from being free.
-    pub fn intrusion(&self, model: &Model, pose: PivotPose) -> f64 {
-        let miss = |lever: DVec2| {
-            let point = pose.y + DVec2::from_angle(-pose.angle).rotate(lever);
+    /// By how much the clearance is missed at the worst of some points of the sweep, chosen where it is worst, and that
+    /// point: a measure of how far a pose is from being free, not a bound.
+    pub fn intrusion(&self, model: &Model, pose: PivotPose) -> (f64, DVec2) {
+        let turn = DVec2::from_angle(-pose.angle);
+        let depth = |lever: DVec2| {
+            let point = pose.y + turn.rotate(lever);
             let [nearest, _] = nearest_faces(model, point);
-            self.clearance - if inside(model, point) { -nearest.0 } else { nearest.0 }
+            if inside(model, point) { nearest.0 } else { -nearest.0 }
         };
-        self.samples().map(miss).fold(f64::NEG_INFINITY, f64::max)
+        let at = |t: f64| self.start.lerp(self.end, t);
+        let step = 1.0 / f64::from(NUM_SAMPLES);
+        let coarse = (0..=NUM_SAMPLES).map(|k| step * f64::from(k)).map(|t| (depth(at(t)), t));
+        let best = coarse.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 1.0));
+        // Between its neighbours the depth mostly rises to one maximum: thirds are left out on the lower side.
+        let (mut low, mut high) = ((best.1 - step).max(0.0), (best.1 + step).min(1.0));
+        for _ in 0..NUM_THIRDS {
+            let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if depth(at(left)) < depth(at(right)) { low = left } else { high = right }
+        }
+        let refined = 0.5 * (low + high);
+        let best = [best, (depth(at(refined)), refined)].into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let best = best.map_or((0.0, self.end), |(depth, t)| (depth, at(t)));
+        (self.clearance + best.0, best.1)
     }
 
     fn samples(&self) -> impl Iterator<Item = DVec2> + use<> {
@@ -105,7 +122,12 @@ impl Sweep {
             let alone = nearest.0 + 2.0 * motion(lever.length()) < next.0;
             alone.then(|| (height - face.normal.dot(place(pose)), wall))
         };
-        self.samples().filter_map(wall).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, wall)| wall)
+        let worst = self.intrusion(model, pose).1;
+        self.samples()
+            .chain([worst])
+            .filter_map(wall)
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, wall)| wall)
     }
 
     /// The largest distance of a swept point from the pivot.

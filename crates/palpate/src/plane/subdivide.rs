@@ -151,7 +151,7 @@ fn miss(case: &Case, cell: &Cell, options: &Options) -> f64 {
         let excess = sites.iter().map(|(_, site)| case.excess(contact, site, middle, case.angle_tolerance));
         excess.fold(f64::INFINITY, f64::min)
     });
-    let sweeps = case.sweeps.iter().map(|sweep| sweep.intrusion(&case.model, middle));
+    let sweeps = case.sweeps.iter().map(|sweep| sweep.intrusion(&case.model, middle).0);
     contacts.chain(sweeps).fold(case.prior_excess(middle), f64::max)
 }
 
