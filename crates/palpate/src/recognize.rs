@@ -134,10 +134,11 @@ fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> 
         let remedy = "give a share of the part's size from 1e-12 to 0.01, such as 1e-6";
         return Err(Error::new("tolerance", "is out of range", settings.tolerance, remedy));
     }
+    let slack = models.iter().map(|model| model.normal_slack).fold(0.0, f64::max);
     for (number, contact) in evidence.contacts.iter().enumerate() {
         if let (Some(normal), Some(approach)) = (contact.normal, contact.approach)
             && normal.direction.angle_to(-approach).abs()
-                > std::f64::consts::FRAC_PI_2 + normal.error + GRAZING
+                > std::f64::consts::FRAC_PI_2 + normal.error + slack + GRAZING
         {
             let value = format!("normal {}, approach {approach}", normal.direction);
             let problem = "the normal points along the approach, out of the part's far side";

@@ -112,6 +112,14 @@ impl Case {
         }
     }
 
+    /// Whether each contact's normal and approach leave a normal.
+    pub fn consistent(&self) -> bool {
+        self.data.iter().all(|datum| match (datum.sensed, datum.facing) {
+            (Some(sensed), Some(facing)) => shared(sensed, facing).is_some(),
+            _ => true,
+        })
+    }
+
     /// A length that covers all rounding in this case.
     pub fn outward(&self) -> f64 {
         OUTWARD * self.scale
@@ -205,13 +213,16 @@ fn datum(contact: &Contact, model: &Model, pivot: DVec2) -> Datum {
     }
 }
 
-/// The normals that both allow. A normal and an approach that contradict each other are refused as input, so that two
-/// arcs of about half a circle at most share one arc.
+fn shared(sensed: Arc, facing: Arc) -> Option<Arc> {
+    sensed.widen(GRAZING).intersect(facing.widen(GRAZING)).into_iter().next()
+}
+
+/// The normals that both allow: one arc, as each is hardly more than half a circle and they do not face away.
 fn both(sensed: Option<Arc>, facing: Option<Arc>) -> Option<Arc> {
     match (sensed, facing) {
         (Some(sensed), Some(facing)) => {
-            let shared = sensed.widen(GRAZING).intersect(facing.widen(GRAZING));
-            Some(shared.into_iter().next().unwrap_or(sensed))
+            // Nothing shared: such a case is not consistent, and nothing explains it.
+            Some(shared(sensed, facing).unwrap_or(sensed))
         }
         (sensed, facing) => sensed.or(facing),
     }

@@ -45,6 +45,9 @@ struct Valid {
 /// Every hypothesis of one model (thesis chapter 2, in its own order).
 pub(crate) fn explain(case: Case, tables: &FeatureTables) -> Explanations {
     let mut counters = Counters::default();
+    if !case.consistent() {
+        return Explanations { hypotheses: Vec::new(), counters, num_boxes: 0, complete: true };
+    }
     let feasible = interpretation_tree(&case, tables, &mut counters);
     let case = Shared::new(case);
     match feasible {

@@ -133,7 +133,7 @@ impl PoseSet {
         let pairs = || piece.features.iter().enumerate().map(|(contact, features)| (contact, features[0]));
         let find = |share: f64| {
             let scaled = self.case.scaled(share);
-            let pose = self.case.pose(solve::witness(&Conditions::new(&scaled, pairs())?)?.pose);
+            let pose = self.case.pose(solve::quick_witness(&Conditions::new(&scaled, pairs())?)?.pose);
             self.contains(pose).then_some(pose)
         };
         // A piece that can't beat the best is left at the first step.

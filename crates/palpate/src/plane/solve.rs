@@ -19,6 +19,9 @@ const MOST_CELLS: u32 = 1 << 16;
 /// Cells examined for a witness at most. A set that is neither found nor refuted by then is kept as marginal.
 const MOST_EXAMINED: u32 = 20_000;
 
+/// Cells examined for a witness that is welcome but not needed.
+const SOON: u32 = 100;
+
 /// With a marginal witness in hand, cells examined for a better one.
 const ENOUGH_MARGINAL: u32 = 64;
 
@@ -45,13 +48,18 @@ pub(crate) struct Solution {
 
 /// A witness, or the certificate that there is none.
 pub(crate) fn witness(conditions: &Conditions<'_>) -> Option<Witness> {
-    search(conditions, first_cells(conditions))
+    search(conditions, first_cells(conditions), MOST_EXAMINED)
+}
+
+/// A witness that is soon found; `None` says nothing.
+pub(crate) fn quick_witness(conditions: &Conditions<'_>) -> Option<Witness> {
+    search(conditions, first_cells(conditions), SOON).filter(|witness| !witness.marginal)
 }
 
 /// A witness within the cells, or the certificate that there is none.
 pub(crate) fn witness_within(conditions: &Conditions<'_>, cells: &[Cell]) -> Option<Witness> {
     let cells = cells.iter().filter_map(|cell| contracted(conditions, cell.clone()));
-    search(conditions, cells.collect())
+    search(conditions, cells.collect(), MOST_EXAMINED)
 }
 
 /// All poses.
@@ -82,7 +90,7 @@ fn divide(arc: Arc, largest_half: f64) -> impl Iterator<Item = Cell> {
 }
 
 /// Best first: a certificate needs all cells in any order, a witness is found early.
-fn search(conditions: &Conditions<'_>, cells: Vec<Cell>) -> Option<Witness> {
+fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> Option<Witness> {
     let reach = conditions.reach();
     let mut open = BinaryHeap::new();
     let mut num_opened = 0;
@@ -106,11 +114,11 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>) -> Option<Witness> {
                 Probe::Empty => continue,
                 Probe::Left => Witness { pose: cell.candidate(), marginal: true },
             };
-        if fallback.is_none() && (fine || num_examined >= MOST_EXAMINED) {
+        if fallback.is_none() && (fine || num_examined >= most_examined) {
             // Neither a witness nor a certificate: kept, so that nothing true is lost.
             fallback = Some(left);
         }
-        if num_examined >= MOST_EXAMINED || (fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
+        if num_examined >= most_examined || (fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
             break;
         }
         if !fine {
