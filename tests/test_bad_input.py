@@ -127,7 +127,7 @@ CASES = [
     (recognize, {"features": ("edge",)}, "features: no edges in the plane (got 'edge'); give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"),
     (recognize, {"features": ("faces",)}, "features: unknown kind (got 'faces'); give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"),
     (recognize, {"features": (0,)}, "features[0]: must be a text (got 0); give a str"),
-    (recognize, {"tolerance": 0}, "tolerance: is out of range (got 0); give a share of the part's size from 1e-12 to 0.01, such as 1e-6"),
+    (recognize, {"tolerance": 0}, "tolerance: is out of range (got 0); give a share of the part's size from 1e-9 to 0.01, such as 1e-6"),
     (recognize, {"tolerance": "fine"}, "tolerance: must be a number (got 'fine'); give a single int or float"),
     (recognize, {"max_hypotheses": 0}, "max_hypotheses: must be a whole number, 1 or more (got 0); give an int in range"),
     (recognize, {"max_hypotheses": 2.5}, "max_hypotheses: must be a whole number, 1 or more (got 2.5); give an int in range"),

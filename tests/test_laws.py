@@ -129,25 +129,33 @@ def orbit_minima(problem, listed):
     )
 
 
+def rescaled(model, scale):
+    """The same part in another unit."""
+    numbers = {
+        kind: [k for k, surface in enumerate(model.face_surfaces) if surface == kind]
+        for kind in ("seam", "untouchable")
+    }
+    known = {
+        "untouchable": numbers["untouchable"],
+        "position_slack": scale * model.position_slack,
+        "normal_slack": model.normal_slack,
+    }
+    faces = scale * np.array(model.faces)
+    if not model.closed:
+        return palpate.Model.segments(faces, seams=numbers["seam"], **known)
+    ends = [
+        k + 1 for k in range(len(faces)) if not np.array_equal(faces[k, 1], faces[(k + 1) % len(faces), 0])
+    ]
+    loops = np.split(faces[:, 0], ends[:-1]) if ends else [faces[:, 0]]
+    return palpate.Model.polygon(loops[0], holes=loops[1:], **known)
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("scale", [1.0 / 25.4, 1000.0])
 def test_another_unit_changes_nothing_but_the_unit(seed, scale):
     problem = small_problem(seed)
     model = problem.models[0]
-    if not model.closed:
-        pytest.skip("loose faces are scaled no differently")
-    loops, begin = [], 0
-    for k, face in enumerate(model.faces):
-        if k + 1 == len(model.faces) or not np.array_equal(face[1], model.faces[k + 1][0]):
-            loops.append([scale * one[0] for one in model.faces[begin : k + 1]])
-            begin = k + 1
-    larger = palpate.Model.polygon(
-        loops[0],
-        holes=loops[1:],
-        untouchable=[k for k, kind in enumerate(model.face_surfaces) if kind == "untouchable"],
-        position_slack=scale * model.position_slack,
-        normal_slack=model.normal_slack,
-    )
+    larger = rescaled(model, scale)
     before = solve(problem)
     prior = problem.prior and palpate.Prior(
         scaled(problem.prior.world_from_model, scale),

@@ -1,6 +1,6 @@
 //! Recognize and localize a known part by touch, with guarantees.
 //!
-//! From a few contacts of a probe, [`recognize`] finds every model and every pose that explains them: nothing true is
+//! From a few contacts of a probe, [`recognize()`] finds every model and every pose that explains them: nothing true is
 //! lost, nothing false is kept (up to a stated tolerance). Lengths are in the unit of the models, angles in radians.
 
 #![forbid(unsafe_code)]

@@ -130,8 +130,8 @@ fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> 
     if !settings.faces && settings.vertices == Some(false) {
         return Err(Error::new("features", "must not be empty", "()", "give \"face\", \"vertex\" or both"));
     }
-    if !(1e-12..=1e-2).contains(&settings.tolerance) {
-        let remedy = "give a share of the part's size from 1e-12 to 0.01, such as 1e-6";
+    if !(1e-9..=1e-2).contains(&settings.tolerance) {
+        let remedy = "give a share of the part's size from 1e-9 to 0.01, such as 1e-6";
         return Err(Error::new("tolerance", "is out of range", settings.tolerance, remedy));
     }
     let slack = models.iter().map(|model| model.normal_slack).fold(0.0, f64::max);

@@ -16,7 +16,7 @@ HEADER = [
     "median",
     "longest",
     "hypotheses",
-    "interpretations, at least",
+    "most interpretations, at least",
     "listing ten of each",
     "memory",
 ]
@@ -29,9 +29,11 @@ def section(figures: Figures) -> str:
     late = sum(not case["in_time"] for case in cases)
     lost = sum(not problem["true_pose_contained"] for problem in problems)
     cut = sum(not problem["complete"] for problem in problems)
+    uncounted = sum(not problem["interpretations"] for problem in problems)
     summary = (
         f"{len(problems)} problems, {figures['problems']} in each case. True pose in no hypothesis: {lost}. "
-        f"Answers that are not complete: {cut}. Cases stopped after {figures['longest']} s: {late}."
+        f"Answers that are not complete: {cut}. Cases stopped after {figures['longest']} s: {late}. "
+        f"Problems without an interpretation among the 10,000 choices tried for a count: {uncounted}."
     )
     return "\n\n".join([table(HEADER, [_row(case, figures["longest"]) for case in cases]), summary])
 

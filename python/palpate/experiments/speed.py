@@ -65,8 +65,8 @@ def growth(figures: Figures) -> str:
     cut = [row for row in every if not row["complete"]]
     largest = max(every, key=lambda row: row["seconds"]["max"])
     notes = [
-        f"Each point is the median over {figures['problems']} random problems on 4 parts. The slowest "
-        f"problem of all took {duration(largest['seconds']['max'])} ({_name(largest)}).",
+        f"Each point is the median over {figures['problems']} random problems, of stars on 4 of them. The "
+        f"slowest of all took {duration(largest['seconds']['max'])} ({_name(largest)}).",
         f"Points that rest on fewer problems, as these took too long together: {_names(few)}.",
         f"Points with answers of more than 1,000 hypotheses, which are cut there and say so: {_names(cut)}.",
     ]

@@ -83,18 +83,20 @@ impl Case {
         let data: Vec<Datum> = evidence.contacts.iter().map(|contact| datum(contact, model, pivot)).collect();
         let sweeps = Sweep::all(evidence, model, pivot);
         let reach = |points: &mut dyn Iterator<Item = DVec2>| points.map(DVec2::length).fold(0.0, f64::max);
-        let scale = model.size
+        let own_scale = model.size
             + reach(&mut model.faces.iter().flat_map(|face| [face.start, face.end]))
             + sweeps.iter().map(Sweep::reach).fold(0.0, f64::max)
-            + data.iter().map(|datum| datum.lever.length() + datum.bound + datum.radius).fold(0.0, f64::max)
-            + evidence
-                .prior
+            + data.iter().map(|datum| datum.lever.length() + datum.bound + datum.radius).fold(0.0, f64::max);
+        let prior = evidence.prior.map(|prior| bounded(prior, pivot, own_scale));
+        let scale = own_scale
+            + prior
+                .filter(|prior| prior.translation.is_finite())
                 .map_or(0.0, |prior| prior.translation + prior.world_from_model.translation.distance(pivot));
         Self {
             model: Shared::clone(model),
             data,
             pivot,
-            prior: evidence.prior,
+            prior,
             sweeps,
             length_tolerance: 0.5 * tolerance * model.size,
             angle_tolerance: 0.5 * tolerance,
@@ -115,7 +117,7 @@ impl Case {
     /// Whether each contact's normal and approach leave a normal.
     pub fn consistent(&self) -> bool {
         self.data.iter().all(|datum| match (datum.sensed, datum.facing) {
-            (Some(sensed), Some(facing)) => shared(sensed, facing).is_some(),
+            (Some(sensed), Some(facing)) => !shared(sensed, facing).is_empty(),
             _ => true,
         })
     }
@@ -127,7 +129,7 @@ impl Case {
 
     /// A length by which rounding alone may miss a bound.
     pub fn rounding(&self) -> f64 {
-        ROUNDING * self.scale
+        (ROUNDING * self.scale).min(0.5 * self.length_tolerance)
     }
 
     pub fn pivot_pose(&self, world_from_model: Pose) -> PivotPose {
@@ -159,13 +161,15 @@ impl Case {
     /// widened by `slack`, exclude it.
     pub fn excess(&self, contact: usize, site: &Site, pose: PivotPose, slack: f64) -> f64 {
         let datum = &self.data[contact];
-        if self.rotations(contact, site, slack).distance(pose.angle) > 0.0 {
+        let ranges = [datum.sensed, datum.facing].map(|range| range.map(|range| range.widen(slack)));
+        if ranges.iter().any(|range| site.rotations(*range).distance(pose.angle) > 0.0) {
             return f64::INFINITY;
         }
-        let allowed = datum.normals.map(|normals| normals.widen(slack).turn(-pose.angle));
+        let [sensed, facing] = ranges.map(|range| range.map(|range| range.turn(-pose.angle)));
         let x = self.place(contact, pose);
         let distance = |site: &Site| site.nearest(x).distance(x);
-        site.restrict(allowed).iter().map(distance).fold(f64::INFINITY, f64::min) - datum.bound
+        let parts = site.restrict(sensed).into_iter().flat_map(|part| part.restrict(facing));
+        parts.map(|part| distance(&part)).fold(f64::INFINITY, f64::min) - datum.bound
     }
 
     /// By how much the prior is missed: the larger of the excess in translation and in rotation times the size.
@@ -183,6 +187,14 @@ impl Case {
         self.prior_excess(pose) <= slack
             && self.sweeps.iter().all(|sweep| sweep.free(&self.model, pose, slack))
     }
+}
+
+/// A box of translations that holds every pose that touches a contact says nothing: it is left out, so that its size
+/// does not count as a coordinate.
+fn bounded(prior: Prior, pivot: DVec2, scale: f64) -> Prior {
+    let farthest = prior.world_from_model.translation.distance(pivot) + 4.0 * scale;
+    let translation = if prior.translation > farthest { f64::INFINITY } else { prior.translation };
+    Prior { translation, ..prior }
 }
 
 /// The middle of the contacts' bounding box; with none, of the prior.
@@ -213,16 +225,17 @@ fn datum(contact: &Contact, model: &Model, pivot: DVec2) -> Datum {
     }
 }
 
-fn shared(sensed: Arc, facing: Arc) -> Option<Arc> {
-    sensed.widen(GRAZING).intersect(facing.widen(GRAZING)).into_iter().next()
+fn shared(sensed: Arc, facing: Arc) -> arrayvec::ArrayVec<Arc, 2> {
+    sensed.widen(GRAZING).intersect(facing.widen(GRAZING))
 }
 
-/// The normals that both allow: one arc, as each is hardly more than half a circle and they do not face away.
+/// The normals that both allow, as one arc; [`Case::excess`] asks each of the two.
 fn both(sensed: Option<Arc>, facing: Option<Arc>) -> Option<Arc> {
     match (sensed, facing) {
         (Some(sensed), Some(facing)) => {
-            // Nothing shared: such a case is not consistent, and nothing explains it.
-            Some(shared(sensed, facing).unwrap_or(sensed))
+            let shared = shared(sensed, facing);
+            // Two arcs: all of one that holds both. None: such a case is not consistent, and nothing explains it.
+            Some(if shared.len() == 1 { shared[0] } else { sensed })
         }
         (sensed, facing) => sensed.or(facing),
     }

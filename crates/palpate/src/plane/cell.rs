@@ -164,6 +164,24 @@ impl Cell {
         turned <= self.half + other.half + angle && gap.cmple(spread + length).all()
     }
 
+    /// The cell where a symmetry of the model moves it: `pose * motion⁻¹` for each of its poses.
+    pub fn moved(&self, motion: Pose) -> Self {
+        let turn = motion.rotation.abs();
+        let half = self.y_half();
+        let spread = dvec2(turn.x * half.x + turn.y * half.y, turn.y * half.x + turn.x * half.y);
+        let middle = motion.apply(self.y_mid());
+        Self {
+            mid: self.mid - motion.angle(),
+            half: self.half,
+            y_low: middle - spread,
+            y_high: middle + spread,
+            polytope: self.polytope.mapped(|[s, x, y]| {
+                let y = motion.apply(dvec2(x, y));
+                [s, y.x, y.y]
+            }),
+        }
+    }
+
     /// Shrinks the cell to what the conditions leave of it; `false` if they leave nothing.
     pub fn contract(&mut self, conditions: &Conditions<'_>) -> bool {
         if !self.contract_box(conditions) {
@@ -264,7 +282,7 @@ impl Cell {
     /// middle of the box is bounded, the rest is linear.
     fn cut_prior(&mut self, conditions: &Conditions<'_>) {
         let case = conditions.case;
-        let Some(prior) = case.prior else { return };
+        let Some(prior) = case.prior.filter(|prior| prior.translation.is_finite()) else { return };
         let turn = DVec2::from_angle(-self.mid);
         let (middle, spread) = self.cosine();
         let half = self.y_half();

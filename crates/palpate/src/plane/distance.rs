@@ -10,14 +10,13 @@ pub(crate) fn to_segment(point: DVec2, [start, end]: [DVec2; 2]) -> f64 {
     point.distance(start + t * span)
 }
 
-/// The least distance of two segments (erratum 11: from the four ends, and none if they cross).
+/// The least distance of two segments (erratum 11): from the four ends, and from where they cross. Of segments on one
+/// line the crossing may be found anywhere; its distance is then no less than the true one.
 pub(crate) fn segment_to_segment(a: [DVec2; 2], b: [DVec2; 2]) -> f64 {
-    if crossing(a, b).is_some() {
-        return 0.0;
-    }
+    let crossing = crossing(a, b).map_or(f64::INFINITY, |t| to_segment(a[0].lerp(a[1], t), b));
     let from_a = a.map(|end| to_segment(end, b));
     let from_b = b.map(|end| to_segment(end, a));
-    from_a.into_iter().chain(from_b).fold(f64::INFINITY, f64::min)
+    from_a.into_iter().chain(from_b).fold(crossing, f64::min)
 }
 
 /// Where `a` crosses or touches `b`, as the share of the way along `a`; not if they are parallel.

@@ -7,10 +7,11 @@ use std::sync::Arc as Shared;
 
 use rayon::prelude::*;
 
-use super::arc::Arc;
+use super::arc::{Arc, wrap};
 use super::case::Case;
 use super::cell::Conditions;
 use super::model::Symmetry;
+use super::pose::Pose;
 use super::pose_set::{Piece, PoseSet};
 use super::solve::{self, Solution};
 use super::subdivide::{self, Bundle};
@@ -52,8 +53,9 @@ pub(crate) fn explain(case: Case, tables: &FeatureTables) -> Explanations {
     let case = Shared::new(case);
     match feasible {
         Some(assignments) => {
-            let pieces = join(&case, valid(&case, assignments), Vec::new());
-            Explanations { hypotheses: pose_sets(&case, pieces), counters, num_boxes: 0, complete: true }
+            let hypotheses = pose_sets(&case, join(&case, valid(&case, assignments), Vec::new()));
+            let complete = !hypotheses.iter().any(PoseSet::undecided);
+            Explanations { hypotheses, counters, num_boxes: 0, complete }
         }
         None => explain_by_cells(&case, tables, counters),
     }
@@ -116,13 +118,9 @@ fn explain_by_cells(case: &Shared<Case>, tables: &FeatureTables, counters: Count
         .into_iter()
         .map(|assignment| if stands_for_itself { assignment } else { case.model.representative(assignment) });
     let assignments: BTreeSet<Vec<Feature>> = assignments.collect();
-    let pieces = join(case, valid(case, assignments.into_iter().collect()), dense);
-    Explanations {
-        hypotheses: pose_sets(case, pieces),
-        counters,
-        num_boxes: division.examined,
-        complete: division.complete,
-    }
+    let hypotheses = pose_sets(case, join(case, valid(case, assignments.into_iter().collect()), dense));
+    let complete = division.complete && !hypotheses.iter().any(PoseSet::undecided);
+    Explanations { hypotheses, counters, num_boxes: division.examined, complete }
 }
 
 /// One turn, or, without a prior, the part of it that the model's symmetries repeat.
@@ -267,7 +265,25 @@ fn images(features: &[Vec<Feature>], symmetry: &Symmetry) -> Vec<Vec<Feature>> {
 }
 
 fn pose_sets(case: &Shared<Case>, groups: Vec<Vec<Piece>>) -> Vec<PoseSet> {
-    groups.into_iter().map(|pieces| PoseSet::new(Shared::clone(case), pieces, true)).collect()
+    let set = |pieces| PoseSet::new(Shared::clone(case), aligned(case, pieces), true);
+    groups.into_iter().map(set).collect()
+}
+
+/// Pieces that meet through a symmetry, moved to where they meet: each to the image whose rotation is nearest to the
+/// first one's. With a prior they stay, as it may exclude their images.
+fn aligned(case: &Case, pieces: Vec<Piece>) -> Vec<Piece> {
+    let middle = |piece: &Piece| piece.cells.first().map(|cell| cell.rotations().middle());
+    let Some(first) = pieces.first().and_then(middle).filter(|_| case.prior.is_none()) else { return pieces };
+    let align = |piece: Piece| {
+        let turn = middle(&piece).unwrap_or(first) - first;
+        let away = |symmetry: &&Symmetry| wrap(turn - symmetry.motion.angle()).abs();
+        let nearest = case.model.symmetries.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        match nearest.filter(|symmetry| symmetry.motion != Pose::IDENTITY) {
+            Some(symmetry) => piece.moved(symmetry),
+            None => piece,
+        }
+    };
+    pieces.into_iter().map(align).collect()
 }
 
 /// Sets of numbers that are united step by step.

@@ -53,6 +53,12 @@ impl Polytope {
         self.corners.iter().map(|corner| corner.at)
     }
 
+    /// The polytope whose corners a rigid motion has moved: for reading, not for cutting on.
+    pub fn mapped(&self, motion: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        let corners = self.corners.iter().map(|corner| Corner { at: motion(corner.at), ..*corner });
+        Self { corners: corners.collect(), num_planes: self.num_planes }
+    }
+
     /// The mean of the corners.
     pub fn mean(&self) -> [f64; 3] {
         let share = 1.0 / self.corners.len() as f64;

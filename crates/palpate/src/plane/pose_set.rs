@@ -9,6 +9,7 @@ use glam::DVec2;
 use super::arc::{Arc, wrap};
 use super::case::{Case, PivotPose};
 use super::cell::{Cell, Conditions};
+use super::model::Symmetry;
 use super::pose::Pose;
 use super::region::{self, DIRECTIONS};
 use super::solve::{self, Witness};
@@ -36,6 +37,26 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
+    /// The piece where a symmetry of the model moves it: the same placed parts.
+    pub fn moved(&self, symmetry: &Symmetry) -> Self {
+        let image = |features: &Vec<Feature>| {
+            let mut image = symmetry.features(features);
+            image.sort_unstable();
+            image
+        };
+        let moved = |witness: Witness| {
+            let Witness { pose, .. } = witness;
+            let y = symmetry.motion.apply(pose.y);
+            Witness { pose: PivotPose { angle: pose.angle - symmetry.motion.angle(), y }, ..witness }
+        };
+        Self {
+            features: self.features.iter().map(image).collect(),
+            cells: self.cells.iter().map(|cell| cell.moved(symmetry.motion)).collect(),
+            witness: self.witness.map(moved),
+            bounded: self.bounded,
+        }
+    }
+
     /// Whether the pose satisfies every contact on features of the piece, bounds enlarged by `length` and `angle`.
     pub fn satisfied(&self, case: &Case, pose: PivotPose, length: f64, angle: f64) -> bool {
         let explained = |(contact, features): (usize, &Vec<Feature>)| {
@@ -108,6 +129,11 @@ impl PoseSet {
         let witness = witnesses.next().expect("a pose set has a witness");
         let proven = std::iter::once(witness).chain(witnesses).find(|witness| !witness.marginal);
         self.case.pose(proven.unwrap_or(witness).pose)
+    }
+
+    /// Whether the search met its limit in it, so that a witness may not be valid.
+    pub(crate) fn undecided(&self) -> bool {
+        self.witnesses().any(|witness| witness.undecided)
     }
 
     /// Whether every witness needs the tolerance τ.
@@ -226,14 +252,29 @@ impl PoseSet {
         Self::new(Shared::clone(&self.case), vec![piece], false)
     }
 
-    /// The piece of one assignment that shares poses with others; a pose of it is known, so that there is one.
+    /// The piece of one assignment that shares poses with others. It was found valid: at a witness, or within the cells
+    /// of a piece; if only up to τ, that is its witness.
     fn decide(&self, assignment: &[Feature]) -> Piece {
-        let conditions = Conditions::new(&self.case, assignment.iter().copied().enumerate());
-        let solution = conditions.as_ref().and_then(solve::solve);
+        let (length, angle) = (self.case.length_tolerance, self.case.angle_tolerance);
+        let pairs = || assignment.iter().copied().enumerate();
+        let conditions = Conditions::new(&self.case, pairs());
+        let at_a_witness = || {
+            let explained = |pose| {
+                pairs().all(|(contact, feature)| explains(&self.case, contact, feature, pose, length, angle))
+            };
+            let known = self.witnesses().find(|witness| explained(witness.pose));
+            known.map(|witness| Witness { marginal: true, ..witness })
+        };
+        let within_a_piece = || {
+            let conditions = conditions.as_ref()?;
+            self.pieces.iter().find_map(|piece| solve::witness_within(conditions, &piece.cells))
+        };
+        let witness =
+            conditions.as_ref().and_then(solve::witness).or_else(at_a_witness).or_else(within_a_piece);
         Piece {
             features: assignment.iter().map(|feature| vec![*feature]).collect(),
-            cells: solution.as_ref().map(|found| found.cells.clone()).unwrap_or_default(),
-            witness: solution.map(|found| found.witness),
+            cells: conditions.as_ref().map(solve::cells).unwrap_or_default(),
+            witness,
             bounded: false,
         }
     }

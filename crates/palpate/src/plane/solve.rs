@@ -37,6 +37,8 @@ pub(crate) struct Witness {
     pub pose: PivotPose,
     /// It does so only with bounds enlarged by τ.
     pub marginal: bool,
+    /// The search met its limit: it may not be one. What it stands for is kept, so that nothing true is lost.
+    pub undecided: bool,
 }
 
 /// Cells that hold every pose that satisfies the conditions, and one such pose.
@@ -65,9 +67,12 @@ pub(crate) fn witness_within(conditions: &Conditions<'_>, cells: &[Cell]) -> Opt
 /// All poses.
 pub(crate) fn solve(conditions: &Conditions<'_>) -> Option<Solution> {
     let witness = witness(conditions)?;
-    let relaxed = conditions.relaxed()?;
-    let cells = first_cells(&relaxed);
-    Some(Solution { cells: enclose(&relaxed, cells), witness })
+    Some(Solution { cells: cells(conditions), witness })
+}
+
+/// Cells that hold every pose that satisfies the conditions, up to τ.
+pub(crate) fn cells(conditions: &Conditions<'_>) -> Vec<Cell> {
+    conditions.relaxed().map(|relaxed| enclose(&relaxed, first_cells(&relaxed))).unwrap_or_default()
 }
 
 /// The rotations that are left, in cells, contracted.
@@ -112,7 +117,7 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> 
             match probe(conditions, &mut cell, if fine { 50 * NUM_CUTS } else { NUM_CUTS }, &mut fallback) {
                 Probe::Found(witness) => return Some(witness),
                 Probe::Empty => continue,
-                Probe::Left => Witness { pose: cell.candidate(), marginal: true },
+                Probe::Left => Witness { pose: cell.candidate(), marginal: true, undecided: true },
             };
         if fallback.is_none() && (fine || num_examined >= most_examined) {
             // Neither a witness nor a certificate: kept, so that nothing true is lost.
@@ -151,10 +156,10 @@ fn probe(
     for _ in 0..num_cuts {
         let pose = cell.candidate();
         if conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
-            return Probe::Found(Witness { pose, marginal: false });
+            return Probe::Found(Witness { pose, marginal: false, undecided: false });
         }
         if fallback.is_none() && conditions.satisfied(pose, case.length_tolerance, case.angle_tolerance) {
-            *fallback = Some(Witness { pose, marginal: true });
+            *fallback = Some(Witness { pose, marginal: true, undecided: false });
         }
         if !cell.cut_at(conditions, pose) {
             return Probe::Empty;

@@ -7,7 +7,7 @@
 use std::collections::BinaryHeap;
 
 use super::arc::Arc;
-use super::case::{Case, PivotPose};
+use super::case::{Case, Datum, PivotPose};
 use super::cell::Cell;
 use super::nearest::Nearest;
 use super::pose_set::explains;
@@ -83,7 +83,7 @@ pub(crate) fn subdivide(case: &Case, features: &[Feature], rotations: Arc) -> Su
 impl Subdivision {
     /// Divides a bundle into boxes with few assignments and boxes in which nothing moves by more than `small`.
     fn divide(&mut self, case: &Case, bundle: Bundle, small: f64) {
-        let reach = case.data.iter().map(|datum| datum.lever.length()).fold(0.0, f64::max);
+        let reach = reach(case);
         let options = bundle.options(case);
         let mut stack = vec![(bundle.cell, options)];
         while let Some((cell, options)) = stack.pop() {
@@ -105,6 +105,13 @@ impl Subdivision {
     }
 }
 
+/// The length at which rotations are measured: the longest lever, or a share of the part where contacts lie close
+/// together and the normals say more than the points.
+fn reach(case: &Case) -> f64 {
+    let lever = |datum: &Datum| datum.lever.length() + datum.radius;
+    case.data.iter().map(lever).fold(0.25 * case.model.size, f64::max)
+}
+
 /// Across rotations where they move more than the box is wide.
 fn halves(cell: &Cell, reach: f64) -> [Cell; 2] {
     if cell.half * reach > cell.y_half().max_element() { cell.split_rotations() } else { cell.split_box() }
@@ -114,7 +121,7 @@ fn halves(cell: &Cell, reach: f64) -> [Cell; 2] {
 ///
 /// The box whose middle misses least is divided first. A box in which nothing moves by τ/4 is valid up to τ.
 pub(crate) fn seek(case: &Case, bundles: &[Bundle]) -> Option<Bundle> {
-    let reach = case.data.iter().map(|datum| datum.lever.length()).fold(0.0, f64::max);
+    let reach = reach(case);
     let mut open = BinaryHeap::new();
     let mut num_opened = 0;
     let mut add = |open: &mut BinaryHeap<Nearest<(Cell, Options)>>, cell: Cell, options: &Options| {
@@ -135,7 +142,7 @@ pub(crate) fn seek(case: &Case, bundles: &[Bundle]) -> Option<Bundle> {
             return Some(bundle);
         }
         if bundle.cell.motion(reach) <= 0.5 * case.length_tolerance || num_examined >= MOST_SOUGHT {
-            return Some(bundle.settled());
+            return Some(bundle.settled(case));
         }
         for half in halves(&bundle.cell, reach) {
             add(&mut open, half, &options);
@@ -215,9 +222,10 @@ impl Bundle {
     }
 
     /// With its middle as the witness, valid up to τ where nothing in the box moves by as much.
-    pub fn settled(mut self) -> Self {
+    fn settled(mut self, case: &Case) -> Self {
         let pose = PivotPose { angle: self.cell.mid, y: self.cell.y_mid() };
-        self.witness = Some(Witness { pose, marginal: true });
+        let undecided = !self.valid(case, pose, case.length_tolerance, case.angle_tolerance);
+        self.witness = Some(Witness { pose, marginal: true, undecided });
         self
     }
 
@@ -242,12 +250,11 @@ impl Bundle {
                 angle: self.cell.mid + turn * self.cell.half,
                 y: middle + half * glam::dvec2(x, y),
             })
-            .find(|pose| self.valid(case, *pose))
-            .map(|pose| Witness { pose, marginal: false })
+            .find(|pose| self.valid(case, *pose, case.rounding(), case.rounding() / case.scale))
+            .map(|pose| Witness { pose, marginal: false, undecided: false })
     }
 
-    fn valid(&self, case: &Case, pose: PivotPose) -> bool {
-        let (length, angle) = (case.rounding(), case.rounding() / case.scale);
+    fn valid(&self, case: &Case, pose: PivotPose, length: f64, angle: f64) -> bool {
         let explained = |(contact, features): (usize, &Vec<Feature>)| {
             features.iter().any(|feature| explains(case, contact, *feature, pose, length, angle))
         };

@@ -11,8 +11,12 @@ use glam::DVec2;
 use super::Pose;
 use super::model::{Face, Surface, Symmetry, Vertex};
 
-/// How far a mapped point may be from its image, as a share of the model's size.
-const SYMMETRY_TOL: f64 = 1e-6;
+/// How far a mapped point may be from its image, as a share of the model's size: far below τ, as what holds for a pose
+/// is taken to hold for its images.
+const SYMMETRY_TOL: f64 = 1e-9;
+
+/// The same as a share of the shortest face, whose normal must turn by far less than τ.
+const SYMMETRY_TURN: f64 = 1e-7;
 
 /// A face or a vertex, as far as a rotation must respect it.
 struct Mark {
@@ -47,8 +51,10 @@ pub(super) fn symmetries(faces: &[Face], vertices: &[Vertex], size: f64) -> Vec<
         let kind = Kind::Vertex { touchable: vertex.normals.is_some() };
         Mark { start: vertex.point, end: vertex.point, kind }
     });
-    let face_marks = Marks::new(face_marks.collect(), SYMMETRY_TOL * size);
-    let vertex_marks = Marks::new(vertex_marks.collect(), SYMMETRY_TOL * size);
+    let shortest = there.iter().map(|&k| faces[k].length()).fold(f64::INFINITY, f64::min);
+    let tol = (SYMMETRY_TOL * size).min(SYMMETRY_TURN * shortest);
+    let face_marks = Marks::new(face_marks.collect(), tol);
+    let vertex_marks = Marks::new(vertex_marks.collect(), tol);
 
     let center = face_marks.centroid();
     let mut orders = (1..=there.len()).rev().filter(|order| there.len().is_multiple_of(*order));
