@@ -323,7 +323,7 @@ def recognize(
         features: Kinds of features that contacts may lie on. None: faces, and vertices if a tip has a radius.
         misses: Guarded moves that touched nothing.
         prior: What is known of the pose beforehand.
-        tolerance: A pose is valid if it is within this share of the part's size; 1e-12 to 0.01.
+        tolerance: A pose is valid if it is within this share of the part's size; 1e-9 to 0.01.
         max_hypotheses: More than this are not returned, and `Recognition.complete` says so.
 
     Raises:

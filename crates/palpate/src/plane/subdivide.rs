@@ -8,11 +8,11 @@ use std::collections::BinaryHeap;
 
 use super::arc::Arc;
 use super::case::{Case, Datum, PivotPose};
-use super::cell::Cell;
+use super::cell::{Cell, Conditions};
 use super::nearest::Nearest;
 use super::pose_set::explains;
 use super::site::Site;
-use super::solve::Witness;
+use super::solve::{self, Witness};
 use crate::feature::Feature;
 
 /// A box is left as assignments when there are at most so many.
@@ -31,6 +31,9 @@ const MOST_SOUGHT: usize = 50_000;
 
 /// Boxes examined at most.
 const MOST_BOXES: u64 = 4_000_000;
+
+/// Of the boxes examined for a witness, one in so many is solved for the features nearest to it.
+const SOLVED_EVERY: usize = 32;
 
 /// A box of poses and the features that each contact may lie on in it.
 #[derive(Debug, Clone)]
@@ -141,6 +144,11 @@ pub(crate) fn seek(case: &Case, bundles: &[Bundle]) -> Option<Bundle> {
         if bundle.witness.is_some() {
             return Some(bundle);
         }
+        if num_examined % SOLVED_EVERY == 0
+            && let Some(found) = solve_nearest(case, &bundle.cell, &options, bundles)
+        {
+            return Some(found);
+        }
         if bundle.cell.motion(reach) <= 0.5 * case.length_tolerance || num_examined >= MOST_SOUGHT {
             return Some(bundle.settled(case));
         }
@@ -149,6 +157,23 @@ pub(crate) fn seek(case: &Case, bundles: &[Bundle]) -> Option<Bundle> {
         }
     }
     None
+}
+
+/// Solves for the features nearest at the middle of the cell: where the set is thin, sampling would not meet it.
+fn solve_nearest(case: &Case, cell: &Cell, options: &Options, bundles: &[Bundle]) -> Option<Bundle> {
+    let middle = PivotPose { angle: cell.mid, y: cell.y_mid() };
+    let nearest = |(contact, sites): (usize, &Vec<(Feature, Site)>)| {
+        let excess = |site: &Site| case.excess(contact, site, middle, case.angle_tolerance);
+        let first = sites.iter().min_by(|a, b| excess(&a.1).total_cmp(&excess(&b.1)))?;
+        Some((contact, first.0))
+    };
+    let conditions = Conditions::new(case, options.iter().enumerate().filter_map(nearest))?;
+    let witness = solve::quick_witness(&conditions)?;
+    let holds = |bundle: &&Bundle| {
+        bundle.cell.holds(witness.pose, case.length_tolerance, case.angle_tolerance)
+            && bundle.valid(case, witness.pose, case.length_tolerance, case.angle_tolerance)
+    };
+    bundles.iter().find(holds).map(|bundle| Bundle { witness: Some(witness), ..bundle.clone() })
 }
 
 /// By how much the middle of the cell misses the worst contact, or the prior or free space.

@@ -72,13 +72,14 @@ impl ThesisPose {
         let cosine = matches[i].normal.dot(matches[j].normal).abs();
         // ω is the acute angle between the lines; sin²(ω/2) = (1 − cos ω)/2, by the half that does not cancel.
         let half_sine = sine / (2.0 * (1.0 + cosine)).sqrt();
+        let error = matches[i].bound.max(matches[j].bound) / half_sine;
         Some(Self {
             first_rotation,
             rotation: wrap(rotation),
             residual_rotation: high - low,
             translation: at(rotation).translation,
-            translation_error: matches[i].bound.max(matches[j].bound) / half_sine,
-            translation_region: region(&matches, rotation, at(rotation).translation),
+            translation_error: error,
+            translation_region: region(&matches, rotation, at(rotation).translation, 2.0 * error),
             low: at(first_rotation + low),
             high: at(first_rotation + high),
         })
@@ -132,14 +133,10 @@ fn translation(first: &Match, second: &Match, angle: f64) -> DVec2 {
     DVec2::new(h1 * n2.y - h2 * n1.y, h2 * n1.x - h1 * n2.x) / n1.perp_dot(n2)
 }
 
-/// Strips `|n·(C − T) − p| ≤ ε` intersected; bounded, as two of them are not parallel.
-fn region(matches: &[Match], angle: f64, nominal: DVec2) -> Vec<DVec2> {
+/// Strips `|n·(C − T) − p| ≤ ε` intersected, within `reach` of the nominal translation: twice the half diagonal of the
+/// rhombus of two of them.
+fn region(matches: &[Match], angle: f64, nominal: DVec2, reach: f64) -> Vec<DVec2> {
     let turn = DVec2::from_angle(angle);
-    let mut reach = 1.0;
-    for one in matches {
-        reach += one.bound + (one.point - turn.rotate(one.start)).distance(nominal);
-    }
-    let reach = 1e6 * reach;
     let signs = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let mut corners: Vec<DVec2> = signs.map(|(x, y)| nominal + reach * DVec2::new(x, y)).into();
     for one in matches {
