@@ -1,4 +1,4 @@
-"""The contacts bundled with the parts: chosen so that the thesis's numbers of interpretations come out (table 4.1)."""
+"""The contacts bundled with the parts: the thesis's numbers of interpretations come out (table 4.1)."""
 
 from __future__ import annotations
 

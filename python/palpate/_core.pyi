@@ -23,6 +23,7 @@ __all__ = [
     "PoseSet",
     "Prior",
     "Recognition",
+    "ThesisPose",
     "__version__",
     "recognize",
 ]

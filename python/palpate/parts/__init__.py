@@ -3,8 +3,8 @@
 They are drawn anew: the thesis's own outlines are not available. Names and numbers of faces are the thesis's
 where it gives them. Lengths in mm.
 
-Two contacts come with each part. Those of the six objects were chosen so that as many interpretations explain them as
-in the thesis's table 4.1.
+Two contacts come with each part. Those of the six objects were chosen so that as many interpretations explain
+them as in the thesis's table 4.1.
 """
 
 from __future__ import annotations
@@ -31,7 +31,9 @@ def part_path(name: str) -> Path | None:
 
 
 def standard_contacts(name: str) -> list[Contact]:
-    """The two contacts bundled with a part: exact points of its outline, in its own frame, within ±0.5 mm and ±4°.
+    """The two contacts bundled with a part, in its own frame.
+
+    They are exact points of its outline, with bounds of ±0.5 mm and ±4°.
 
     Raises:
         ValueError: No bundled part of this name.
