@@ -8,7 +8,7 @@ import jsonschema
 import numpy as np
 import pytest
 from conftest import pose
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import palpate
@@ -57,6 +57,7 @@ def assert_alike(one: Contact, other: Contact) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["csv", "json"])
+@settings(deadline=None)
 @given(some_contacts=st.lists(contacts(), min_size=1, max_size=4), some_misses=st.lists(misses(), max_size=3))
 def test_what_is_written_is_read_back(tmp_path_factory, suffix, *, some_contacts, some_misses):
     path = tmp_path_factory.mktemp("files") / f"touches.{suffix}"
@@ -69,6 +70,7 @@ def test_what_is_written_is_read_back(tmp_path_factory, suffix, *, some_contacts
     assert found.prior is None
 
 
+@settings(deadline=None)
 @given(st.lists(contacts(), min_size=1, max_size=4), st.lists(misses(), max_size=3), st.floats(0.0, math.pi))
 def test_documents_validate(some_contacts, some_misses, rotation):
     prior = Prior(pose(0.3, 1.0, 2.0), translation=20.0, rotation=rotation)

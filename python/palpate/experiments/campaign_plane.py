@@ -27,7 +27,7 @@ from .problems import described, random_problem
 from .random_parts import FAMILIES
 from .resumable import Result, Work, results_of
 
-CHUNK = 250
+CHUNK = 100
 SEEDS_PER_CAMPAIGN = 10**9
 MOST_SLOW = 8
 
@@ -112,7 +112,9 @@ def run(campaign: Campaign, out: Path, *, workers: int) -> bool:
     (out / "summary.json").write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
     console = Console(width=None if sys.stdout.isatty() else 120, highlight=False)
     console.print(table_of(summary))
-    slowest = sorted((one for result in results for one in result["slowest"]), reverse=True)[:MOST_SLOW]
+    slowest = sorted((tuple(one) for result in results for one in result["slowest"]), reverse=True)[
+        :MOST_SLOW
+    ]
     console.print("slowest:", ", ".join(f"seed {seed} {seconds:.2f} s" for seconds, seed in slowest))
     for fault in summary["seeds_with_faults"][:20]:
         console.print(f"seed {fault['seed']}: {'; '.join(fault['said'])}", markup=False)

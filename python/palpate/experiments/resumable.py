@@ -50,10 +50,12 @@ def results_of(work: Work, folder: Path, *, workers: int) -> list[Result]:
     if missing:
         with path.open("a", encoding="utf-8") as file:
             for number, result in _compute(work, missing, workers=workers):
-                file.write(json.dumps({"chunk": number, **result}, separators=(",", ":")) + "\n")
+                line = json.dumps({"chunk": number, **result}, separators=(",", ":"))
+                file.write(line + "\n")
                 file.flush()
                 os.fsync(file.fileno())
-                known[number] = result
+                # As it will be read when the work is taken up again.
+                known[number] = json.loads(line)
     return [known[number] for number in range(work.count)]
 
 
