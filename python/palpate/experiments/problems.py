@@ -92,11 +92,12 @@ def random_problem(seed: int) -> Problem:
     )
     shape = Shape.of(part)
     vertices = bool(shape.touchable_corners.any()) and (bounds.tip_radius > 0.0 or random.random() < 0.05)
-    features = ("face", "vertex") if vertices and bounds.tip_radius == 0.0 else None
     touches = [
         _random_touch(random, shape, truth, bounds=bounds, vertices=vertices)
         for _ in range(random.randint(2, 8))
     ]
+    tips = any(contact.tip_radius > 0.0 for contact, _ in touches)
+    features = ("face", "vertex") if vertices and not tips else None
     prior = _random_prior(random, truth, unit, likely=bounds.bare > 0.0)
     misses = add_misses(random, shape, truth) if random.random() < 0.15 else ()
     return Problem(

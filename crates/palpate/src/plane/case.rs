@@ -144,7 +144,12 @@ impl Case {
 
     /// Where contact `i` lies in the model's frame.
     pub fn place(&self, contact: usize, pose: PivotPose) -> DVec2 {
-        pose.y + DVec2::from_angle(-pose.angle).rotate(self.data[contact].lever)
+        self.from_pivot(self.data[contact].lever, pose)
+    }
+
+    /// Where a world point, given from the pivot, lies in the model's frame.
+    pub fn from_pivot(&self, lever: DVec2, pose: PivotPose) -> DVec2 {
+        pose.y + DVec2::from_angle(-pose.angle).rotate(lever)
     }
 
     /// The site of `feature` for the tip of contact `i`.

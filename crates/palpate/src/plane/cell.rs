@@ -9,7 +9,7 @@ use glam::{DVec2, dvec2};
 
 use super::arc::{Arc, wrap};
 use super::case::{Case, PivotPose};
-use super::free::Sweep;
+use super::free::{Escapes, Sweep, Wall};
 use super::polytope::{HalfSpace, Polytope};
 use super::pose::Pose;
 use super::site::Site;
@@ -18,6 +18,9 @@ use crate::feature::Feature;
 /// Above this half width, radians, a cell is only a box: the linear conditions say too little there.
 const WIDEST_POLYTOPE: f64 = 0.35;
 
+/// A cell is divided by ways out of the part this often, at most.
+const MOST_WALLS: usize = 24;
+
 /// A part of pose space.
 #[derive(Debug, Clone)]
 pub(crate) struct Cell {
@@ -25,6 +28,8 @@ pub(crate) struct Cell {
     pub half: f64,
     pub y_low: DVec2,
     pub y_high: DVec2,
+    /// Swept points and sides on which they must stay: the cell is that part of its box.
+    walls: Vec<Wall>,
     polytope: Polytope,
 }
 
@@ -103,7 +108,8 @@ impl Cell {
     /// Everything with a rotation within `half` of `mid`.
     pub fn whole(mid: f64, half: f64) -> Self {
         let infinite = DVec2::INFINITY;
-        Self { mid, half, y_low: -infinite, y_high: infinite, polytope: Polytope::default() }
+        let (walls, polytope) = (Vec::new(), Polytope::default());
+        Self { mid, half, y_low: -infinite, y_high: infinite, walls, polytope }
     }
 
     /// The cell within a box of pivot points.
@@ -175,6 +181,7 @@ impl Cell {
             half: self.half,
             y_low: middle - spread,
             y_high: middle + spread,
+            walls: Vec::new(),
             polytope: self.polytope.mapped(|[s, x, y]| {
                 let y = motion.apply(dvec2(x, y));
                 [s, y.x, y.y]
@@ -204,6 +211,9 @@ impl Cell {
             }
         }
         self.cut_prior(conditions);
+        for k in 0..self.walls.len() {
+            self.cut_wall(conditions.case, self.walls[k]);
+        }
         self.cut_free(conditions, PivotPose { angle: self.mid, y: self.y_mid() });
         self.shrink_to_polytope(conditions.case)
     }
@@ -265,17 +275,57 @@ impl Cell {
         self.polytope.cut(&HalfSpace { normal, offset }, case.scale);
     }
 
-    /// Cuts with each sweep whose worst point is, in all of the cell, nearer to one face than to any other: it must
-    /// stay on the outer side of that face.
+    /// Cuts with each sweep whose worst point at `pose` has one way out of the part; nothing is left if it has none.
     fn cut_free(&mut self, conditions: &Conditions<'_>, pose: PivotPose) {
-        let case = conditions.case;
-        for sweep in &case.sweeps {
-            let middle = PivotPose { angle: self.mid, y: self.y_mid() };
-            let motion = |lever: f64| self.motion(lever);
-            if let Some(wall) = sweep.wall(&case.model, middle, pose, motion) {
-                self.cut_beyond(case, wall.lever, -wall.normal, conditions.slack - wall.height);
+        for sweep in &conditions.case.sweeps {
+            let lever = sweep.intrusion(&conditions.case.model, pose).1;
+            match self.escapes(conditions, sweep, lever, pose).as_deref() {
+                Some([]) => self.polytope = Polytope::default(),
+                Some([wall]) => self.cut_wall(conditions.case, *wall),
+                _ => {}
             }
         }
+    }
+
+    fn cut_wall(&mut self, case: &Case, wall: Wall) {
+        self.cut_beyond(case, wall.lever, -wall.normal, -wall.height);
+    }
+
+    /// The ways out that a swept point has which is too near at `pose`, a pose of the cell.
+    fn escapes(
+        &self,
+        conditions: &Conditions<'_>,
+        sweep: &Sweep,
+        lever: DVec2,
+        pose: PivotPose,
+    ) -> Option<Escapes> {
+        let away = (self.y_high - pose.y).max(pose.y - self.y_low);
+        let turn = (self.half + wrap(pose.angle - self.mid).abs()).min(std::f64::consts::PI);
+        let motion = away.length() + 2.0 * (0.5 * turn).sin() * lever.length() + conditions.case.outward();
+        sweep.escapes(&conditions.case.model, lever, pose, motion, conditions.slack)
+    }
+
+    /// The cell in parts that together hold all its valid poses, one for each way out that the worst swept point at
+    /// `pose` has, contracted. `None` if free space is not what `pose` misses most, or if it would not be left out.
+    pub fn split_by_escapes(&self, conditions: &Conditions<'_>, pose: PivotPose) -> Option<Vec<Self>> {
+        let case = conditions.case;
+        let intrusions = case.sweeps.iter().map(|sweep| (sweep, sweep.intrusion(&case.model, pose)));
+        let (sweep, (depth, lever)) = intrusions.max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
+        if self.walls.len() >= MOST_WALLS || depth < conditions.miss(pose) {
+            return None;
+        }
+        let escapes = self.escapes(conditions, sweep, lever, pose)?;
+        let place = case.from_pivot(lever, pose);
+        let loose = self.looseness(lever.length()) + 2.0 * case.outward();
+        if escapes.iter().any(|wall| wall.normal.dot(place) + loose > wall.height) {
+            return None;
+        }
+        let part = |wall: &Wall| {
+            let mut part = self.clone();
+            part.walls.push(*wall);
+            part.contract(conditions).then_some(part)
+        };
+        Some(escapes.iter().filter_map(part).collect())
     }
 
     /// Cuts with the box of translations. The condition is bilinear in (s, y): its product of deviations from the
@@ -388,6 +438,7 @@ impl Cell {
         [-quarter, quarter].map(|offset| Self {
             mid: left.middle() + offset,
             half: quarter + f64::EPSILON * std::f64::consts::TAU,
+            walls: self.walls.clone(),
             polytope: Polytope::default(),
             ..*self
         })
@@ -404,6 +455,7 @@ impl Cell {
                 half: left.half_width() + f64::EPSILON * std::f64::consts::TAU,
                 y_low: low,
                 y_high: high,
+                walls: self.walls.clone(),
                 polytope: Polytope::default(),
             }
         };

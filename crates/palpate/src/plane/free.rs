@@ -1,10 +1,15 @@
 //! Free space as evidence: what a tip swept without touching can't hold the part (DESIGN §2, MATH 2.1.1).
 
+use std::f64::consts::PI;
+
+use arrayvec::ArrayVec;
 use glam::DVec2;
 
+use super::arc::Arc;
 use super::case::PivotPose;
 use super::distance::{crossing, segment_to_segment, to_segment};
-use super::model::{Face, Model, Surface};
+use super::model::{Face, Model, Surface, Vertex};
+use super::site::Site;
 use crate::contact::Evidence;
 
 /// A swept segment, from the pivot, world frame, and the distance that the part keeps from it.
@@ -16,7 +21,7 @@ pub(crate) struct Sweep {
     clearance: f64,
 }
 
-/// A swept point, and the face on whose outer side it must stay: `normal · (y + R(−θ) lever) >= height`.
+/// A swept point, and the side of a line on which it must stay: `normal · (y + R(−θ) lever) >= height`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Wall {
     pub lever: DVec2,
@@ -24,11 +29,17 @@ pub(crate) struct Wall {
     pub height: f64,
 }
 
-/// Points at which an intrusion is measured first, less one.
-const NUM_SAMPLES: u32 = 24;
+/// The ways out for a swept point that is too near: it must be beyond one of these walls.
+pub(crate) type Escapes = ArrayVec<Wall, MOST_ESCAPES>;
 
-/// Steps by which the worst of them is refined.
-const NUM_THIRDS: u32 = 24;
+/// With more ways out than this, a cell is better divided.
+const MOST_ESCAPES: usize = 6;
+
+/// The worst point of a sweep is found to this share of the part's size.
+const FINEST: f64 = 1e-9;
+
+/// Arcs around corners are longer by this, radians, than computed.
+const ROUNDING: f64 = 1e-9;
 
 impl Sweep {
     /// Of every miss, and of every contact that says where its move began.
@@ -68,66 +79,62 @@ impl Sweep {
             let near = |face: &Face| segment_to_segment(path, [face.start, face.end]) < clearance;
             return solid(model).any(near) || inside(model, path[0]);
         }
-        model.closed && deeper(model, path, -clearance)
+        model.closed && deepest(model, path, &inner_pieces(model, path), -clearance, -clearance).0 > -clearance
     }
 
-    /// By how much the clearance is missed at the worst of some points of the sweep, chosen where it is worst, and that
-    /// point: a measure of how far a pose is from being free, not a bound.
+    /// By how much the clearance is missed where it is missed most, to a twentieth, and the lever of that point. Negative
+    /// if it is not missed.
     pub fn intrusion(&self, model: &Model, pose: PivotPose) -> (f64, DVec2) {
         let turn = DVec2::from_angle(-pose.angle);
-        let depth = |lever: DVec2| {
-            let point = pose.y + turn.rotate(lever);
-            let [nearest, _] = nearest_faces(model, point);
-            if inside(model, point) { nearest.0 } else { -nearest.0 }
-        };
-        let at = |t: f64| self.start.lerp(self.end, t);
-        let step = 1.0 / f64::from(NUM_SAMPLES);
-        let coarse = (0..=NUM_SAMPLES).map(|k| step * f64::from(k)).map(|t| (depth(at(t)), t));
-        let best = coarse.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 1.0));
-        // Between its neighbours the depth mostly rises to one maximum: thirds are left out on the lower side.
-        let (mut low, mut high) = ((best.1 - step).max(0.0), (best.1 + step).min(1.0));
-        for _ in 0..NUM_THIRDS {
-            let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-            if depth(at(left)) < depth(at(right)) { low = left } else { high = right }
-        }
-        let refined = 0.5 * (low + high);
-        let best = [best, (depth(at(refined)), refined)].into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        let best = best.map_or((0.0, self.end), |(depth, t)| (depth, at(t)));
-        (self.clearance + best.0, best.1)
+        let path = [self.start, self.end].map(|point| pose.y + turn.rotate(point));
+        let (distance, t) = nearest_approach(model, path, self.clearance);
+        (self.clearance - distance, self.start.lerp(self.end, t))
     }
 
-    fn samples(&self) -> impl Iterator<Item = DVec2> + use<> {
-        let Self { start, end, .. } = *self;
-        (0..=NUM_SAMPLES).map(move |step| start.lerp(end, f64::from(step) / f64::from(NUM_SAMPLES)))
-    }
-
-    /// The wall of the sampled point that intrudes most at `pose`, among those that are nearer to one face than to any
-    /// other at every pose of a cell around `middle`, in which a point at a lever moves by no more than `motion`.
-    pub fn wall(
+    /// The walls of which the swept point at `lever` must be beyond one, at every pose within `motion` of `pose` that
+    /// leaves it its clearance less `slack`: none, and no pose does. `None`: nothing is said, as the point is clear at
+    /// `pose`, or the poses are too far apart, or the walls too many.
+    ///
+    /// On its straight way from its place at `pose` to that at a valid pose the point leaves the region of points that
+    /// are too near, last of all at a point `e` of its border. The nearest place of the outline to `e` is on a face,
+    /// moved by the clearance, or at a corner; onward from `e` the point moves away from there (`docs/theory.md`, T7).
+    pub fn escapes(
         &self,
         model: &Model,
-        middle: PivotPose,
+        lever: DVec2,
         pose: PivotPose,
-        motion: impl Fn(f64) -> f64,
-    ) -> Option<Wall> {
-        if !model.closed {
+        motion: f64,
+        slack: f64,
+    ) -> Option<Escapes> {
+        let clearance = self.clearance - slack;
+        let point = pose.y + DVec2::from_angle(-pose.angle).rotate(lever);
+        let (distance, _) = nearest_approach(model, [point, point], clearance);
+        if distance >= clearance || (clearance <= 0.0 && !model.closed) {
             return None;
         }
-        let wall = |lever: DVec2| {
-            let place = |pose: PivotPose| pose.y + DVec2::from_angle(-pose.angle).rotate(lever);
-            let [nearest, next] = nearest_faces(model, place(middle));
-            let face = &model.faces[nearest.1];
-            let height = face.normal.dot(face.start) + self.clearance;
-            let wall = Wall { lever, normal: face.normal, height };
-            let alone = nearest.0 + 2.0 * motion(lever.length()) < next.0;
-            alone.then(|| (height - face.normal.dot(place(pose)), wall))
-        };
-        let worst = self.intrusion(model, pose).1;
-        self.samples()
-            .chain([worst])
-            .filter_map(wall)
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, wall)| wall)
+        let mut escapes = Escapes::new();
+        for face in solid(model) {
+            let sides = if model.closed { 1 } else { 2 };
+            for normal in [face.normal, -face.normal].into_iter().take(sides) {
+                let border = [face.start, face.end].map(|end| end + clearance * normal);
+                if to_segment(point, border) <= motion {
+                    let height = normal.dot(face.start) + clearance;
+                    escapes.try_push(Wall { lever, normal, height }).ok()?;
+                }
+            }
+        }
+        if clearance == 0.0 {
+            return Some(escapes);
+        }
+        for arc in rounded_corners(model, clearance) {
+            let Site::Arc { middle: corner, .. } = arc else { continue };
+            if arc.nearest(point).distance(point) <= motion {
+                let wall = around_corner(lever, point - corner, clearance, motion)?;
+                let height = wall.height + wall.normal.dot(corner);
+                escapes.try_push(Wall { height, ..wall }).ok()?;
+            }
+        }
+        Some(escapes)
     }
 
     /// The largest distance of a swept point from the pivot.
@@ -136,18 +143,43 @@ impl Sweep {
     }
 }
 
-/// Distance and number of the nearest face that is there, and of the next.
-fn nearest_faces(model: &Model, point: DVec2) -> [(f64, usize); 2] {
-    let mut nearest = [(f64::INFINITY, 0); 2];
-    for (number, face) in model.faces.iter().enumerate().filter(|(_, face)| face.surface != Surface::Seam) {
-        let distance = to_segment(point, [face.start, face.end]);
-        if distance < nearest[0].0 {
-            nearest = [(distance, number), nearest[0]];
-        } else if distance < nearest[1].0 {
-            nearest[1] = (distance, number);
-        }
+/// Beyond a corner, seen from it: the wall of a point at `offset` that moves by no more than `motion`.
+///
+/// Seen from the corner, the point turns by no more than β with sin β = motion / |offset|. Outside (clearance c > 0) it
+/// ends at |q| ≥ c, so that û·q ≥ c cos β for û along `offset`. Inside, at depth d = −c, it leaves through a point from
+/// which the corner is seen within β of −û, and so is its end: |q| ≤ d / cos 2β. `None` if β is too wide.
+fn around_corner(lever: DVec2, offset: DVec2, clearance: f64, motion: f64) -> Option<Wall> {
+    let outward = offset.try_normalize()?;
+    let cosine = (1.0 - (motion / offset.length()).powi(2)).max(0.0).sqrt();
+    if clearance > 0.0 {
+        return (motion < offset.length()).then(|| Wall { lever, normal: outward, height: clearance * cosine });
     }
-    nearest
+    let twice = 2.0 * cosine * cosine - 1.0;
+    (motion < offset.length() && twice > 0.0).then(|| Wall { lever, normal: -outward, height: clearance / twice })
+}
+
+/// Where the border of what is too near goes around corners: outside, around those that stick out (of an open model, around
+/// all); inside, around those that stick in.
+fn rounded_corners(model: &Model, clearance: f64) -> impl Iterator<Item = Site> {
+    let outside = clearance > 0.0;
+    let rounded = move |middle: DVec2| {
+        let before = solid(model).find(|face| face.end == middle);
+        let after = solid(model).find(|face| face.start == middle);
+        let normals = match (before, after) {
+            (Some(before), Some(after)) if model.closed => {
+                let sticks_out = before.normal.perp_dot(after.normal) > 0.0;
+                let cone = |first, second| Vertex::cone(first, second).widen(ROUNDING);
+                match (sticks_out, outside) {
+                    (true, true) => cone(before, after),
+                    (false, false) => cone(after, before).turn(PI),
+                    _ => return None,
+                }
+            }
+            _ => Arc::FULL,
+        };
+        Some(Site::Arc { middle, radius: clearance.abs(), normals })
+    };
+    model.vertices.iter().filter_map(move |vertex| rounded(vertex.point))
 }
 
 /// The faces that are there.
@@ -165,36 +197,73 @@ fn inside(model: &Model, point: DVec2) -> bool {
     model.closed && solid(model).filter(crosses).count() % 2 == 1
 }
 
-/// Whether some point of the path is inside, and further than `depth` from the outline.
-fn deeper(model: &Model, path: [DVec2; 2], depth: f64) -> bool {
+/// The least signed distance of the path to the part (of an open model, the distance), and where: the share of the way.
+/// Inside, it is found to a twentieth of its difference from the clearance, and not sought where it is no smaller.
+fn nearest_approach(model: &Model, path: [DVec2; 2], clearance: f64) -> (f64, f64) {
+    if model.closed {
+        let pieces = inner_pieces(model, path);
+        if !pieces.is_empty() {
+            let (depth, t) = deepest(model, path, &pieces, -clearance, f64::INFINITY);
+            return (-depth, t);
+        }
+    }
+    let way = path[1] - path[0];
+    let length_sq = way.length_squared();
+    let foot = |point: DVec2| {
+        if length_sq > 0.0 { ((point - path[0]).dot(way) / length_sq).clamp(0.0, 1.0) } else { 0.0 }
+    };
+    let mut nearest = (f64::INFINITY, 0.0);
+    for face in solid(model).map(|face| [face.start, face.end]) {
+        let crossed = crossing(path, face).map(|t| (0.0, t));
+        let from_path = [0.0, 1.0].map(|t| (to_segment(path[0].lerp(path[1], t), face), t));
+        let from_face = face.map(|end| (to_segment(end, path), foot(end)));
+        for found in crossed.into_iter().chain(from_path).chain(from_face) {
+            if found.0 < nearest.0 {
+                nearest = found;
+            }
+        }
+    }
+    nearest
+}
+
+/// The pieces of the path that are inside a closed model, as shares of the way.
+fn inner_pieces(model: &Model, path: [DVec2; 2]) -> Vec<[f64; 2]> {
     let at = |t: f64| path[0].lerp(path[1], t);
     let mut cuts: Vec<f64> =
         solid(model).filter_map(|face| crossing(path, [face.start, face.end])).chain([0.0, 1.0]).collect();
     cuts.sort_by(f64::total_cmp);
-    let pieces = cuts.windows(2).filter(|ends| inside(model, at(0.5 * (ends[0] + ends[1]))));
-    pieces.into_iter().any(|ends| rises_above(model, [at(ends[0]), at(ends[1])], depth))
+    let pieces = cuts.windows(2).map(|ends| [ends[0], ends[1]]);
+    pieces.filter(|[from, to]| inside(model, at(0.5 * (from + to)))).collect()
 }
 
-/// Whether the distance to the outline rises above `depth` on a piece of a path that does not cross it.
+/// The largest distance to the outline on pieces of a path that do not cross it, and where, to a twentieth of what it is
+/// above `floor`. Below `floor` it is not sought; once above `enough` it is no longer.
 ///
-/// The distance to one face is convex along the piece, hence at most the larger of its values at the ends; the distance
-/// to the outline is the least of these. Decided up to 1e-9 of the part, in favour of the pose.
-fn rises_above(model: &Model, piece: [DVec2; 2], depth: f64) -> bool {
-    let finest = 1e-9 * model.size;
-    let mut pieces = vec![piece];
-    while let Some([start, end]) = pieces.pop() {
-        let middle = start.midpoint(end);
+/// The distance to one face is convex along a piece, hence at most the larger of its values at the ends; the distance
+/// to the outline is the least of these.
+fn deepest(model: &Model, path: [DVec2; 2], pieces: &[[f64; 2]], floor: f64, enough: f64) -> (f64, f64) {
+    let finest = FINEST * model.size;
+    let length = path[0].distance(path[1]);
+    let mut best = (0.0, pieces.first().map_or(0.0, |[from, to]| 0.5 * (from + to)));
+    let mut open = pieces.to_vec();
+    while let Some([from, to]) = open.pop() {
+        let middle = 0.5 * (from + to);
+        let [start, at, end] = [from, middle, to].map(|t| path[0].lerp(path[1], t));
         let (mut bound, mut distance) = (f64::INFINITY, f64::INFINITY);
         for face in solid(model).map(|face| [face.start, face.end]) {
             bound = bound.min(to_segment(start, face).max(to_segment(end, face)));
-            distance = distance.min(to_segment(middle, face));
+            distance = distance.min(to_segment(at, face));
         }
-        if distance > depth && inside(model, middle) {
-            return true;
+        if distance > best.0 {
+            best = (distance, middle);
         }
-        if bound > depth && start.distance(end) > finest {
-            pieces.extend([[start, middle], [middle, end]]);
+        if best.0 > enough {
+            break;
+        }
+        let wanted = best.0.max(floor) + finest.max(0.05 * (best.0 - floor));
+        if bound > wanted && (to - from) * length > finest {
+            open.extend([[from, middle], [middle, to]]);
         }
     }
-    false
+    best
 }

@@ -17,7 +17,7 @@ const FIRST_HALF: f64 = 0.08;
 const MOST_CELLS: u32 = 1 << 16;
 
 /// Cells examined for a witness at most. A set that is neither found nor refuted by then is kept as marginal.
-const MOST_EXAMINED: u32 = 20_000;
+const MOST_EXAMINED: u32 = 100_000;
 
 /// Cells examined for a witness that is welcome but not needed.
 const SOON: u32 = 100;
@@ -127,8 +127,10 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> 
             break;
         }
         if !fine {
-            let halves = split(conditions, &cell, reach).into_iter();
-            halves.filter_map(|part| contracted(conditions, part)).for_each(|part| add(&mut open, part));
+            let parts = cell.split_by_escapes(conditions, cell.candidate());
+            let halves = || split(conditions, &cell, reach).into_iter();
+            let parts = parts.unwrap_or_else(|| halves().filter_map(|part| contracted(conditions, part)).collect());
+            parts.into_iter().for_each(|part| add(&mut open, part));
         }
     }
     fallback
