@@ -9,12 +9,18 @@ pub mod contact;
 pub mod error;
 pub mod feature;
 pub mod hypothesis;
+pub mod judge;
+pub mod plan;
 pub mod plane;
 pub mod recognize;
+pub mod sensor;
 pub mod tree;
 
 pub use contact::{Contact, Evidence, Miss, Normal, Prior};
 pub use error::Error;
 pub use feature::Feature;
 pub use hypothesis::{Count, Hypothesis, Interpretation};
+pub use judge::{Fault, Outcome, Reading, Touch, Verdict};
+pub use plan::{Path, Plan, PlanSettings, Planner, Stop, judge, plan};
 pub use recognize::{ModelReport, Recognition, Settings, recognize};
+pub use sensor::Sensor;

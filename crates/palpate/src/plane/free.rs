@@ -182,6 +182,15 @@ fn rounded_corners(model: &Model, clearance: f64) -> impl Iterator<Item = Site> 
     model.vertices.iter().filter_map(move |vertex| rounded(vertex.point))
 }
 
+impl Model {
+    /// The distance of a point from the part, negative inside; of an open model always positive.
+    pub(crate) fn signed_distance(&self, point: DVec2) -> f64 {
+        let distances = solid(self).map(|face| to_segment(point, [face.start, face.end]));
+        let distance = distances.fold(f64::INFINITY, f64::min);
+        if inside(self, point) { -distance } else { distance }
+    }
+}
+
 /// The faces that are there.
 fn solid(model: &Model) -> impl Iterator<Item = &Face> {
     model.faces.iter().filter(|face| face.surface != Surface::Seam)

@@ -9,7 +9,7 @@ use glam::DVec2;
 use super::arc::{Arc, wrap};
 use super::case::{Case, PivotPose};
 use super::cell::{Cell, Conditions};
-use super::model::Symmetry;
+use super::model::{Model, Symmetry};
 use super::pose::Pose;
 use super::region::{self, DIRECTIONS};
 use super::solve::{self, Witness};
@@ -98,7 +98,28 @@ impl PoseSet {
         Self { case, pieces: Shared::new(pieces), symmetric, best: Shared::default() }
     }
 
-    fn cells(&self) -> impl Iterator<Item = &Cell> {
+    /// The model.
+    pub(crate) fn model(&self) -> &Shared<Model> {
+        &self.case.model
+    }
+
+    /// The world point about which its cells are described.
+    pub(crate) fn pivot(&self) -> DVec2 {
+        self.case.pivot
+    }
+
+    /// A length that covers rounding in its cells.
+    pub(crate) fn outward(&self) -> f64 {
+        self.case.outward()
+    }
+
+    /// Every feature that a contact may lie on.
+    pub(crate) fn assigned_features(&self) -> impl Iterator<Item = Feature> + '_ {
+        self.pieces.iter().flat_map(|piece| piece.features.iter().flatten().copied())
+    }
+
+    /// They hold every pose.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = &Cell> {
         self.pieces.iter().flat_map(|piece| &piece.cells)
     }
 

@@ -1,0 +1,363 @@
+//! Planning: the path that tells the hypotheses apart best (thesis, chapter 3).
+
+use std::cmp::Ordering;
+
+use glam::DVec2;
+
+use crate::Error;
+use crate::hypothesis::Hypothesis;
+use crate::judge::{Fault, Outcome, Reading, Verdict};
+use crate::plane::planners;
+use crate::plane::{Line, Scene};
+use crate::sensor::Sensor;
+
+/// Where candidate paths come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Planner {
+    /// Quick: lines in evenly spaced directions, the most promising judged; and `complete` where that tells nothing.
+    #[default]
+    Auto,
+    /// All lines, by branch and bound: no usable path of margin ≥ m is better.
+    Complete,
+}
+
+/// When a path is good enough.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Stop {
+    /// Nothing less than a path that separates all.
+    #[default]
+    Perfect,
+    /// It identifies so many hypotheses, whichever of them is true.
+    Unique(usize),
+    /// It identifies this share of them.
+    Share(f64),
+}
+
+/// How to plan. The defaults are stated here and nowhere else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlanSettings {
+    /// Where candidates come from.
+    pub planner: Planner,
+    /// When one is good enough.
+    pub stop: Stop,
+    /// Two opposite corners of the area at whose border paths begin; `None`: anywhere outside of all hypotheses.
+    pub workspace: Option<[DVec2; 2]>,
+    /// A unit vector and an angle: directions of travel within it are allowed. `None`: all.
+    pub directions: Option<(DVec2, f64)>,
+    /// m, relative to the size of the largest part.
+    pub margin: f64,
+    /// Boxes of lines that `complete` may examine, at most.
+    pub effort: u64,
+    /// For what is drawn at random.
+    pub seed: u64,
+    /// Faces may be touched.
+    pub faces: bool,
+    /// Vertices may be touched; `None`: if the tip has a radius.
+    pub vertices: Option<bool>,
+    /// Never touch a face that a contact is assigned to (thesis 1.1).
+    pub avoid_assigned: bool,
+}
+
+impl Default for PlanSettings {
+    fn default() -> Self {
+        Self {
+            planner: Planner::default(),
+            stop: Stop::default(),
+            workspace: None,
+            directions: None,
+            margin: 1e-3,
+            effort: 2_000_000,
+            seed: 0,
+            faces: true,
+            vertices: None,
+            avoid_assigned: false,
+        }
+    }
+}
+
+/// A straight guarded move and what it would tell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// Where it starts and how it goes, world frame.
+    pub line: Line,
+    /// How far, past the last possible contact.
+    pub length: f64,
+    /// All that it separates stays separated, and it stays usable, for shifts by this; to an eighth of m, at most 64 m.
+    pub margin: f64,
+    /// `(1/n) Σ_k (hypotheses not separated from k)`.
+    pub score: f64,
+    /// The mean over poses of how many hypotheses their exact readings leave.
+    pub expected_score: f64,
+    /// Branches of the ambiguity tree.
+    pub classes: Vec<Vec<usize>>,
+    /// Hypotheses that it may pass by.
+    pub no_contact: Vec<usize>,
+    /// What each hypothesis can answer.
+    pub outcomes: Vec<Outcome>,
+    /// Why it can't be used, and because of which hypothesis.
+    pub fault: Option<(usize, Fault)>,
+    sensor: Sensor,
+}
+
+impl Path {
+    /// Whether it is certain to tell something: some pair is separated.
+    #[must_use]
+    pub fn guaranteed(&self) -> bool {
+        self.fault.is_none() && self.score < self.outcomes.len() as f64
+    }
+
+    /// The hypotheses that could have given a reading, or, with `None`, a miss.
+    #[must_use]
+    pub fn outcome_of(&self, reading: Option<Reading>) -> Vec<usize> {
+        let answers = |k: &usize| self.outcomes[*k].may_answer(reading, &self.sensor);
+        (0..self.outcomes.len()).filter(answers).collect()
+    }
+
+    /// A sensed centre and normal as the path sees them.
+    #[must_use]
+    pub fn reading(&self, center: DVec2, normal: Option<DVec2>) -> Reading {
+        let (depth, aside) = self.line.coordinates(center);
+        Reading { depth, aside, normal: normal.map(DVec2::to_angle) }
+    }
+
+    /// Hypotheses that it identifies, whichever reading they give.
+    #[must_use]
+    pub fn num_unique(&self) -> usize {
+        self.classes.iter().filter(|class| class.len() == 1).count()
+    }
+
+    /// Whether it is good enough to stop.
+    fn enough(&self, stop: Stop) -> bool {
+        let n = self.outcomes.len();
+        match stop {
+            Stop::Perfect => self.score <= 1.0,
+            Stop::Unique(count) => self.num_unique() >= count.min(n),
+            Stop::Share(share) => self.num_unique() as f64 >= share * n as f64,
+        }
+    }
+
+    /// The order of paths, best first (DESIGN §2).
+    fn order(&self, other: &Self, m: f64) -> Ordering {
+        let n = self.outcomes.len().max(1) as f64;
+        let rounded = |value: f64, unit: f64| if unit > 0.0 { (value / unit).round() } else { value };
+        let expected = |path: &Self| rounded(path.expected_score, 0.01 * n);
+        self.score
+            .total_cmp(&other.score)
+            .then(expected(self).total_cmp(&expected(other)))
+            .then(rounded(other.margin, m).total_cmp(&rounded(self.margin, m)))
+            .then(self.length.total_cmp(&other.length))
+            .then(self.line.start.x.total_cmp(&other.line.start.x))
+            .then(self.line.start.y.total_cmp(&other.line.start.y))
+            .then(self.line.direction.to_angle().total_cmp(&other.line.direction.to_angle()))
+    }
+}
+
+/// The answer of a planner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The best path found; `None`: none that can be used was found.
+    pub path: Option<Path>,
+    /// No usable path of margin ≥ m has a score below this.
+    pub bound: f64,
+    /// No usable path of margin ≥ m is better than the one found.
+    pub proved: bool,
+    /// Lines judged.
+    pub num_judged: u64,
+    /// Boxes of lines examined.
+    pub num_boxes: u64,
+}
+
+/// The best path found by the planner among the hypotheses.
+///
+/// # Errors
+/// No hypotheses, or a setting out of range.
+pub fn plan(hypotheses: &[Hypothesis], sensor: &Sensor, settings: &PlanSettings) -> Result<Plan, Error> {
+    check(hypotheses, settings)?;
+    let scene = Scene::new(hypotheses, sensor, settings);
+    Ok(plan_among(&scene, &scene.everyone(), settings, &|| false))
+}
+
+/// What a line of your own would tell, and whether it can be used. `length`: as long as needed, if not given.
+///
+/// # Errors
+/// No hypotheses, a direction of no length, numbers that are not finite.
+pub fn judge(
+    hypotheses: &[Hypothesis],
+    sensor: &Sensor,
+    line: Line,
+    length: Option<f64>,
+    settings: &PlanSettings,
+) -> Result<Path, Error> {
+    check(hypotheses, settings)?;
+    let Some(direction) = line.direction.try_normalize().filter(|_| line.start.is_finite()) else {
+        return Err(Error::new("direction", "must not be zero", line.direction, "give a direction, of any length"));
+    };
+    let scene = Scene::new(hypotheses, sensor, settings);
+    let line = Line { direction, ..line };
+    Ok(judged(&scene, &scene.everyone(), &line, length))
+}
+
+/// The path along a line among the members.
+pub(crate) fn judged(scene: &Scene, members: &[usize], line: &Line, length: Option<f64>) -> Path {
+    let mut outcomes = match scene.outcomes(line, members, 0.0) {
+        Ok(outcomes) => outcomes,
+        // All of them, for whoever wants to know.
+        Err(_) => members.iter().flat_map(|member| match scene.outcomes(line, &[*member], 0.0) {
+            Ok(outcomes) | Err(outcomes) => outcomes,
+        }).collect(),
+    };
+    let last = outcomes.iter().flat_map(|outcome| &outcome.touches).map(|touch| touch.depth.high);
+    let needed = last.fold(0.0, f64::max) + scene.sensor.position_error + scene.sensor.path_error + scene.margin;
+    let length = length.unwrap_or(needed);
+    for outcome in &mut outcomes {
+        // A shorter path may end before the contact.
+        outcome.may_miss |= outcome.touches.iter().any(|touch| touch.depth.high >= length);
+        outcome.touches.retain(|touch| touch.depth.low <= length);
+    }
+    let verdict = Verdict::new(&outcomes, &scene.sensor);
+    let usable = verdict.fault.is_none();
+    let margin = if usable { scene.margin_of(line, members, &verdict) } else { 0.0 };
+    Path {
+        line: *line,
+        length,
+        margin,
+        score: verdict.score(),
+        expected_score: scene.expected_score(line, members, &outcomes),
+        classes: verdict.classes(),
+        no_contact: (0..outcomes.len()).filter(|k| outcomes[*k].may_miss).collect(),
+        fault: verdict.fault,
+        outcomes,
+        sensor: scene.sensor,
+    }
+}
+
+/// Plans among some of the hypotheses; the path's numbers are places in `members`. `late` says that time is up.
+pub(crate) fn plan_among(
+    scene: &Scene,
+    members: &[usize],
+    settings: &PlanSettings,
+    late: &dyn Fn() -> bool,
+) -> Plan {
+    let mut best = Best { scene, members, path: None, num_judged: 0 };
+    if members.len() < 2 {
+        return Plan { path: None, bound: 1.0, proved: true, num_judged: 0, num_boxes: 0 };
+    }
+    planners::sweep(&mut best, settings.stop, late);
+    let told = best.path.as_ref().is_some_and(Path::guaranteed);
+    let mut proof = planners::Proof { bound: 1.0, proved: false, num_boxes: 0 };
+    if settings.planner == Planner::Complete || !told {
+        proof = planners::complete(&mut best, settings, late);
+    }
+    let perfect = best.path.as_ref().is_some_and(|path| path.score <= 1.0);
+    let path = best.path;
+    Plan {
+        bound: if perfect { 1.0 } else { proof.bound },
+        proved: perfect || proof.proved,
+        path,
+        num_judged: best.num_judged,
+        num_boxes: proof.num_boxes,
+    }
+}
+
+/// The best path so far.
+pub(crate) struct Best<'a> {
+    pub scene: &'a Scene,
+    pub members: &'a [usize],
+    pub path: Option<Path>,
+    pub num_judged: u64,
+}
+
+impl Best<'_> {
+    /// The number of pairs that the best path leaves; more than any if there is none.
+    pub fn num_left(&self) -> usize {
+        let n = self.members.len();
+        self.path.as_ref().map_or(n * n + 1, |path| (path.score * n as f64).round() as usize)
+    }
+
+    /// Judges a line; it becomes the best if it is better.
+    pub fn offer(&mut self, line: &Line) {
+        self.num_judged += 1;
+        let Some(verdict) = self.scene.verdict(line, self.members, 0.0) else { return };
+        if verdict.num_left() > self.num_left() {
+            return;
+        }
+        let path = judged(self.scene, self.members, line, None);
+        if path.fault.is_some() {
+            return;
+        }
+        let better = |known: &Path| path.order(known, self.scene.margin) == Ordering::Less;
+        if self.path.as_ref().is_none_or(better) {
+            self.path = Some(path);
+        }
+    }
+
+    pub fn enough(&self, stop: Stop) -> bool {
+        self.path.as_ref().is_some_and(|path| path.enough(stop))
+    }
+}
+
+fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Result<(), Error> {
+    if hypotheses.is_empty() {
+        return Err(Error::new("hypotheses", "must not be empty", "[]", "give found.hypotheses of a recognition"));
+    }
+    if !(1e-6..=0.1).contains(&settings.margin) {
+        let remedy = "give a share of the part's size from 1e-6 to 0.1, such as 1e-3";
+        return Err(Error::new("margin", "is out of range", settings.margin, remedy));
+    }
+    if let Some([low, high]) = settings.workspace
+        && !(low.is_finite() && high.is_finite() && low.cmplt(high).all())
+    {
+        let value = format!("{low}, {high}");
+        return Err(Error::new("workspace", "must be two opposite corners, the lower left one first", value, "give [[x0, y0], [x1, y1]]"));
+    }
+    if let Stop::Share(share) = settings.stop
+        && !(share > 0.0 && share <= 1.0)
+    {
+        return Err(Error::new("stop", "the share must be above 0 and at most 1", share, "give (\"share\", 0.5)"));
+    }
+    Ok(())
+}
+
+/// Hypotheses made ready for many lines.
+#[derive(Debug)]
+pub struct Prepared {
+    scene: Scene,
+    members: Vec<usize>,
+}
+
+impl Prepared {
+    /// For lines through all that the hypotheses may occupy.
+    ///
+    /// # Errors
+    /// As [`plan`].
+    pub fn new(hypotheses: &[Hypothesis], sensor: &Sensor, settings: &PlanSettings) -> Result<Self, Error> {
+        check(hypotheses, settings)?;
+        let scene = Scene::new(hypotheses, sensor, settings);
+        let members = scene.everyone();
+        Ok(Self { scene, members })
+    }
+
+    /// The radius of a circle around everything.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.scene.radius
+    }
+
+    /// The line of a direction that passes `aside` to the left of the middle of that circle; `None` if it is not allowed.
+    #[must_use]
+    pub fn line(&self, angle: f64, aside: f64) -> Option<Line> {
+        self.scene.line(angle, aside)
+    }
+
+    /// The score of a line; `None` if it can't be used.
+    #[must_use]
+    pub fn score(&self, line: &Line) -> Option<f64> {
+        self.scene.verdict(line, &self.members, 0.0).map(|verdict| verdict.score())
+    }
+
+    /// All that is to say of a line.
+    #[must_use]
+    pub fn judge(&self, line: &Line) -> Path {
+        judged(&self.scene, &self.members, line, None)
+    }
+}

@@ -1,0 +1,210 @@
+//! The hypotheses among which a path is to tell, made ready for lines.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::arc::wrap;
+use super::pose::Pose;
+use super::rays::{Allowance, Contacted, Line, Rules, Shadow, first_contact};
+use crate::hypothesis::Hypothesis;
+use crate::judge::{Outcome, Reading, Verdict};
+use crate::plan::PlanSettings;
+use crate::sensor::Sensor;
+
+/// Poses of each hypothesis from which planners look, the one with the largest slack first.
+const NUM_VIEWS: usize = 8;
+
+/// They are chosen, far from each other, among so many samples.
+const NUM_SAMPLED: usize = 48;
+
+/// Poses of each hypothesis over which a path's expected score is taken.
+const NUM_EXPECTED: usize = 16;
+
+/// Hypotheses with all their poses, the sensor, and what is asked of a path.
+#[derive(Debug)]
+pub(crate) struct Scene {
+    pub shadows: Vec<Shadow>,
+    /// Valid poses of each hypothesis, spread over its set.
+    pub views: Vec<Vec<Pose>>,
+    samples: Vec<Vec<Pose>>,
+    pub sensor: Sensor,
+    pub rules: Rules,
+    /// m: paths that keep what they tell under shifts by it are wanted.
+    pub margin: f64,
+    /// The largest of the parts.
+    pub size: f64,
+    /// A circle around all that any hypothesis may occupy.
+    pub middle: DVec2,
+    pub radius: f64,
+    workspace: Option<[DVec2; 2]>,
+    directions: Option<(DVec2, f64)>,
+}
+
+impl Scene {
+    pub fn new(hypotheses: &[Hypothesis], sensor: &Sensor, settings: &PlanSettings) -> Self {
+        let parts: Vec<(Shadow, Vec<Pose>)> = hypotheses
+            .par_iter()
+            .map(|one| (Shadow::new(&one.poses), one.poses.sample(NUM_SAMPLED, settings.seed)))
+            .collect();
+        let size = hypotheses.iter().map(|one| one.model.size).fold(0.0, f64::max);
+        let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let (low, high) = parts.iter().fold(start, |(low, high), (shadow, _)| {
+            (low.min(shadow.middle - shadow.radius), high.max(shadow.middle + shadow.radius))
+        });
+        let middle = if parts.is_empty() { DVec2::ZERO } else { 0.5 * (low + high) };
+        let reach = |(shadow, _): &(Shadow, Vec<Pose>)| shadow.middle.distance(middle) + shadow.radius;
+        let radius = parts.iter().map(reach).fold(0.0, f64::max);
+        let tips = sensor.tip_radius > 0.0;
+        let rules = Rules {
+            faces: settings.faces,
+            vertices: settings.vertices.unwrap_or(tips),
+            avoid_assigned: settings.avoid_assigned,
+        };
+        let (mut shadows, mut views, mut samples) = (Vec::new(), Vec::new(), Vec::new());
+        for ((shadow, sampled), one) in parts.into_iter().zip(hypotheses) {
+            views.push(spread(one.poses.witness(), &sampled, &shadow));
+            samples.push(sampled.into_iter().take(NUM_EXPECTED).collect());
+            shadows.push(shadow);
+        }
+        let margin = settings.margin * size;
+        let (workspace, directions) = (settings.workspace, settings.directions);
+        Self { shadows, views, samples, sensor: *sensor, rules, margin, size, middle, radius, workspace, directions }
+    }
+
+    /// Every hypothesis.
+    pub fn everyone(&self) -> Vec<usize> {
+        (0..self.shadows.len()).collect()
+    }
+
+    /// Lines are numbered by the angle of their direction and by how far they pass to the left of the middle. Each begins
+    /// on the border of the workspace, or clear of everything; `None` if it does not enter the workspace or comes from a
+    /// direction that is not allowed.
+    pub fn line(&self, angle: f64, aside: f64) -> Option<Line> {
+        if !self.allowed(angle, 0.0) {
+            return None;
+        }
+        let direction = DVec2::from_angle(angle);
+        let foot = self.middle + aside * direction.perp();
+        let Some([low, high]) = self.workspace else {
+            let clear = self.radius + self.sensor.tip_radius + self.sensor.path_error + 2.0 * self.margin;
+            let slack = self.shadows.iter().map(|shadow| shadow.model().position_slack).fold(0.0, f64::max);
+            return Some(Line { start: foot - (clear + slack) * direction, direction });
+        };
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in [DVec2::X, DVec2::Y] {
+            let (from, to) = (axis.dot(low - foot), axis.dot(high - foot));
+            let speed = axis.dot(direction);
+            if speed == 0.0 {
+                if from > 0.0 || to < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (first, second) = (from / speed, to / speed);
+            enter = enter.max(first.min(second));
+            leave = leave.min(first.max(second));
+        }
+        (enter < leave).then(|| Line { start: foot + enter * direction, direction })
+    }
+
+    /// Whether a direction within `half` of the angle is allowed.
+    pub fn allowed(&self, angle: f64, half: f64) -> bool {
+        self.directions.is_none_or(|(axis, cone)| wrap(angle - axis.to_angle()).abs() <= cone + half)
+    }
+
+    /// The numbers of a line: angle, and how far it passes to the left of the middle.
+    pub fn numbers(&self, line: &Line) -> (f64, f64) {
+        (line.direction.to_angle(), line.left().dot(line.start - self.middle))
+    }
+
+    /// What the members can answer to a line, everything widened by `margin`. Stops at the first that makes it unusable.
+    pub fn outcomes(&self, line: &Line, members: &[usize], margin: f64) -> Result<Vec<Outcome>, Vec<Outcome>> {
+        let mut outcomes = Vec::with_capacity(members.len());
+        for &member in members {
+            let shadow = &self.shadows[member];
+            let allowance = Allowance::new(&self.sensor, shadow.model(), margin, margin / self.size);
+            outcomes.push(shadow.outcome(line, &self.sensor, &allowance, self.rules));
+            if outcomes.last().is_some_and(|outcome| outcome.fault.is_some()) {
+                return Err(outcomes);
+            }
+        }
+        Ok(outcomes)
+    }
+
+    /// The verdict on a line among the members; `None` if it can't be used.
+    pub fn verdict(&self, line: &Line, members: &[usize], margin: f64) -> Option<Verdict> {
+        self.outcomes(line, members, margin).ok().map(|outcomes| Verdict::new(&outcomes, &self.sensor))
+    }
+
+    /// The largest μ, to an eighth of m and at most 64 m, with which the verdict still separates all that it separates
+    /// without, and the line stays usable.
+    pub fn margin_of(&self, line: &Line, members: &[usize], verdict: &Verdict) -> f64 {
+        let holds = |margin: f64| self.verdict(line, members, margin).is_some_and(|other| other.left == verdict.left);
+        let step = 0.125 * self.margin;
+        if step == 0.0 || !holds(step) {
+            return 0.0;
+        }
+        let (mut low, mut high) = (1_u32, 2_u32);
+        while high <= 512 && holds(step * f64::from(high)) {
+            (low, high) = (high, 2 * high);
+        }
+        high = high.min(513);
+        while high - low > 1 {
+            let middle = u32::midpoint(low, high);
+            if holds(step * f64::from(middle)) { low = middle } else { high = middle }
+        }
+        step * f64::from(low)
+    }
+
+    /// The mean, over sampled poses of the members, of how many members their exact readings leave.
+    pub fn expected_score(&self, line: &Line, members: &[usize], outcomes: &[Outcome]) -> f64 {
+        let (mut left, mut count) = (0, 0);
+        for &member in members {
+            for pose in &self.samples[member] {
+                let reading = self.contact(member, *pose, line).map(|found| Reading {
+                    depth: found.depth,
+                    aside: 0.0,
+                    normal: Some(found.normal.to_angle()),
+                });
+                left += outcomes.iter().filter(|outcome| outcome.may_answer(reading, &self.sensor)).count();
+                count += 1;
+            }
+        }
+        f64::from(left as u32) / f64::from(count.max(1))
+    }
+
+    /// The exact first contact of a member at a pose.
+    pub fn contact(&self, member: usize, pose: Pose, line: &Line) -> Option<Contacted> {
+        first_contact(self.shadows[member].model(), pose, line, self.sensor.tip_radius)
+    }
+}
+
+/// Some of the poses, each as far as possible from those before, as the parts' extremes move.
+fn spread(first: Pose, sampled: &[Pose], shadow: &Shadow) -> Vec<Pose> {
+    let size = shadow.model().size;
+    let apart = |a: &Pose, b: &Pose| {
+        let ends = [DVec2::ZERO, DVec2::new(size, 0.0), DVec2::new(0.0, size)];
+        ends.map(|end| a.apply(end).distance(b.apply(end))).into_iter().fold(0.0, f64::max)
+    };
+    let mut chosen = vec![first];
+    let mut distances: Vec<f64> = sampled.iter().map(|pose| apart(pose, &first)).collect();
+    while chosen.len() < NUM_VIEWS {
+        let Some((k, far)) = distances.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
+        if *far <= 0.0 {
+            break;
+        }
+        let next = sampled[k];
+        chosen.push(next);
+        for (distance, pose) in distances.iter_mut().zip(sampled) {
+            *distance = distance.min(apart(pose, &next));
+        }
+    }
+    chosen
+}
+
+/// Evenly spaced directions, half a step off the axes.
+pub(crate) fn directions(count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |k| -PI + 2.0 * PI * (k as f64 + 0.5) / count as f64)
+}
