@@ -276,3 +276,7 @@ fn deepest(model: &Model, path: [DVec2; 2], pieces: &[[f64; 2]], floor: f64, eno
     }
     best
 }
+
+#[cfg(test)]
+#[path = "free_tests.rs"]
+mod tests;

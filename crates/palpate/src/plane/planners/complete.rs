@@ -7,12 +7,14 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
+use arrayvec::ArrayVec;
 use glam::DVec2;
+use rayon::prelude::*;
 
 use crate::plan::{Best, PlanSettings};
-use crate::plane::arc::wrap;
+use crate::plane::Line;
 use crate::plane::model::{Face, Surface};
 use crate::plane::pose::Pose;
 use crate::plane::scene::Scene;
@@ -21,8 +23,8 @@ use crate::tree::Range;
 /// Intervals of directions at the start.
 const FIRST_DIRECTIONS: u32 = 64;
 
-/// Places at which `late` is asked: every so many boxes.
-const ASKED_EVERY: u64 = 64;
+/// Boxes that are looked at together.
+const BATCH: usize = 256;
 
 /// What was proved.
 pub(crate) struct Proof {
@@ -47,21 +49,36 @@ struct Lines {
 
 /// A part at one pose, from the middle of the scene.
 struct View {
-    starts: Vec<DVec2>,
-    ends: Vec<DVec2>,
-    normals: Vec<f64>,
-    solid: Vec<bool>,
-    corners: Vec<DVec2>,
+    middle: DVec2,
+    radius: f64,
+    faces: Vec<ViewFace>,
+    /// Corners and their distances from the middle of the scene.
+    corners: Vec<(DVec2, f64)>,
 }
 
-/// What a line of a box may meet first of a view: each with its depths and normals.
-#[derive(Debug, Clone, Default)]
-struct Glance {
-    met: Vec<(Range, f64)>,
-    may_miss: bool,
-    /// Nothing is certain.
-    unsure: bool,
+/// A face, moved out by the tip's radius.
+struct ViewFace {
+    ends: [DVec2; 2],
+    /// The larger of the ends' distances from the middle of the scene.
+    reach: f64,
+    normal: DVec2,
+    touchable: bool,
 }
+
+/// What a line of a box may meet first of a view.
+#[derive(Debug, Clone, Default)]
+enum Glance {
+    /// One of these: depths, and the normal.
+    Met(ArrayVec<(Range, DVec2), MOST_MET>),
+    /// Nothing, on every line.
+    Missed,
+    /// Nothing is certain.
+    #[default]
+    Unsure,
+}
+
+/// With more faces that may be met nothing is called certain.
+const MOST_MET: usize = 4;
 
 /// Searches all lines for one that is better than `best`.
 pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> Proof {
@@ -71,51 +88,80 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
         .iter()
         .map(|member| scene.views[*member].iter().map(|pose| View::new(scene, *member, *pose)).collect())
         .collect();
-    let mut open = BinaryHeap::new();
+    let mut open = first_boxes(scene, members.len());
+    let mut next_number = open.len() as u64;
     let mut num_boxes = 0;
-    let half = PI / f64::from(FIRST_DIRECTIONS);
-    for k in 0..FIRST_DIRECTIONS {
-        let angle = -PI + (2.0 * f64::from(k) + 1.0) * half;
-        open.push(Lines { angle, half, aside: 0.0, reach: scene.radius, left: members.len(), number: u64::from(k) });
-    }
-    let mut next_number = u64::from(FIRST_DIRECTIONS);
     let score = |left: usize| left as f64 / members.len() as f64;
-    while let Some(lines) = open.pop() {
+    while let Some(first) = open.peek() {
         // The heap gives the most promising box first: if that is closed, all are.
-        if lines.left >= best.num_left() || best.enough(settings.stop) {
-            let proved = lines.left >= best.num_left();
-            return Proof { bound: score(lines.left.min(best.num_left())), proved, num_boxes };
+        let least = first.left.min(best.num_left());
+        let proved = least >= best.num_left();
+        if proved || best.enough(settings.stop) || num_boxes >= settings.effort || late() {
+            return Proof { bound: score(least), proved, num_boxes };
         }
-        if num_boxes >= settings.effort || (num_boxes % ASKED_EVERY == 0 && late()) {
-            return Proof { bound: score(lines.left), proved: false, num_boxes };
-        }
-        num_boxes += 1;
-        if !scene.allowed(lines.angle, lines.half) {
-            continue;
-        }
-        let Some(left) = least_left(scene, &views, &lines, best.num_left()) else { continue };
-        let left = left.max(lines.left);
-        if left >= best.num_left() {
-            continue;
-        }
-        if lines.motion(scene.radius) <= 0.5 * scene.margin && lines.half <= 0.5 * scene.margin / scene.size {
-            if let Some(line) = scene.line(lines.angle, lines.aside) {
-                best.offer(&line);
+        let batch: Vec<Lines> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
+        num_boxes += batch.len() as u64;
+        let enough = best.num_left();
+        let found: Vec<Found> = batch.par_iter().map(|lines| examine(scene, members, &views, lines, enough)).collect();
+        for (lines, found) in batch.into_iter().zip(found) {
+            match found {
+                Found::Nothing => {}
+                Found::Line(line) => best.offer(&line),
+                Found::AtLeast(left) => {
+                    for part in lines.halves(scene) {
+                        open.push(Lines { left, number: next_number, ..part });
+                        next_number += 1;
+                    }
+                }
             }
-            continue;
-        }
-        for part in lines.halves(scene) {
-            open.push(Lines { left, number: next_number, ..part });
-            next_number += 1;
         }
     }
     Proof { bound: score(best.num_left().min(members.len().pow(2))), proved: true, num_boxes }
+}
+
+/// What a box may hold that leaves less than `enough`.
+enum Found {
+    Nothing,
+    /// Its middle, as good as any line of margin ≥ m in it.
+    Line(Line),
+    /// Lines that leave so much, at least.
+    AtLeast(usize),
+}
+
+fn examine(scene: &Scene, members: &[usize], views: &[Vec<View>], lines: &Lines, enough: usize) -> Found {
+    if lines.left >= enough || !scene.allowed(lines.angle, lines.half) {
+        return Found::Nothing;
+    }
+    let left = least_left(scene, views, lines, enough).map(|left| left.max(lines.left));
+    match left.filter(|left| *left < enough) {
+        None => Found::Nothing,
+        Some(left) if !lines.is_smallest(scene) => Found::AtLeast(left),
+        Some(_) => {
+            let better = |line: &Line| scene.verdict(line, members, 0.0).is_some_and(|one| one.num_left() < enough);
+            scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
+        }
+    }
+}
+
+/// All lines.
+fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<Lines> {
+    let half = PI / f64::from(FIRST_DIRECTIONS);
+    let interval = |k: u32| {
+        let angle = -PI + (2.0 * f64::from(k) + 1.0) * half;
+        Lines { angle, half, aside: 0.0, reach: scene.radius, left, number: u64::from(k) }
+    };
+    (0..FIRST_DIRECTIONS).map(interval).collect()
 }
 
 impl Lines {
     /// How far a point at `radius` from the middle is moved, seen from the line, from one line of the box to its middle.
     fn motion(&self, radius: f64) -> f64 {
         self.reach + 2.0 * (0.5 * self.half).sin() * radius
+    }
+
+    /// No line of the box is farther than half of m from its middle.
+    fn is_smallest(&self, scene: &Scene) -> bool {
+        self.motion(scene.radius) <= 0.5 * scene.margin && self.half <= 0.5 * scene.margin / scene.size
     }
 
     fn halves(&self, scene: &Scene) -> [Self; 2] {
@@ -130,144 +176,226 @@ impl Lines {
     }
 }
 
-/// Pairs that every usable line of the box leaves at least; `None` if no line of it can be used.
+/// Pairs that every usable line of the box leaves at least, or `enough`; `None` if no line of it can be used.
 fn least_left(scene: &Scene, views: &[Vec<View>], lines: &Lines, enough: usize) -> Option<usize> {
-    let mut glances: Vec<Vec<Glance>> = views.iter().map(|_| Vec::new()).collect();
+    let frame = Frame::new(scene, lines);
+    let mut looks: Vec<Look> = views.iter().map(|_| Look::default()).collect();
     let mut joined = vec![false; views.len() * views.len()];
     let mut left = views.len();
     let most = views.iter().map(Vec::len).max().unwrap_or(0);
     for number in 0..most {
         for (k, of_member) in views.iter().enumerate() {
             let Some(view) = of_member.get(number) else { continue };
-            let glance = view.glance(scene, lines);
-            if glance.skids(scene, lines) {
+            let glance = view.glance(&frame);
+            if glance.skids(&frame) {
                 return None;
             }
-            for (j, others) in glances.iter().enumerate() {
+            for (j, other) in looks.iter().enumerate() {
                 let pair = k.max(j) * views.len() + k.min(j);
-                if j != k && !joined[pair] && others.iter().any(|other| glance.surely_alike(other, scene, lines)) {
+                if j != k && !joined[pair] && other.holds_alike(&glance, &frame) {
                     joined[pair] = true;
                     left += 2;
+                    if left >= enough {
+                        return Some(left);
+                    }
                 }
             }
-            glances[k].push(glance);
-        }
-        if left >= enough {
-            break;
+            looks[k].add(glance);
         }
     }
     Some(left)
+}
+
+/// A box of lines as views are seen from it.
+struct Frame<'a> {
+    scene: &'a Scene,
+    lines: Lines,
+    along: DVec2,
+    left: DVec2,
+    /// How far a point at distance 1 from the middle moves by the half interval of directions; sine of that interval.
+    chord: f64,
+    sine: f64,
+    /// The cosine of the largest incidence at which a line of margin m can be used, seen from the middle line.
+    skid_cosine: f64,
+    /// Readings whose depths, and normals, differ by no more are alike for lines of margin m.
+    alike_depth: f64,
+    alike_cosine: f64,
+}
+
+impl<'a> Frame<'a> {
+    fn new(scene: &'a Scene, lines: &Lines) -> Self {
+        let along = DVec2::from_angle(lines.angle);
+        let angle_margin = scene.margin / scene.size;
+        let skid = (scene.sensor.max_incidence - angle_margin).max(0.0) + lines.half;
+        let alike = scene.sensor.normal_error.map_or(PI, |error| 2.0 * (error + angle_margin));
+        Self {
+            scene,
+            lines: *lines,
+            along,
+            left: along.perp(),
+            chord: 2.0 * (0.5 * lines.half).sin(),
+            sine: lines.half.sin(),
+            skid_cosine: skid.min(PI).cos(),
+            alike_depth: 2.0 * (scene.sensor.position_error + scene.margin),
+            alike_cosine: if alike >= PI { -2.0 } else { alike.cos() },
+        }
+    }
+
+    /// Along the middle line, and to its left.
+    fn place(&self, at: DVec2) -> (f64, f64) {
+        (self.along.dot(at), self.left.dot(at) - self.lines.aside)
+    }
+
+    /// How far a point at `reach` from the middle of the scene moves, seen from the lines of the box.
+    fn motion(&self, reach: f64) -> f64 {
+        self.lines.reach + self.chord * reach
+    }
+
+    fn alike(&self, a: &(Range, DVec2), b: &(Range, DVec2)) -> bool {
+        let farthest = (a.0.high - b.0.low).max(b.0.high - a.0.low);
+        farthest <= self.alike_depth && a.1.dot(b.1) >= self.alike_cosine
+    }
+}
+
+/// What was seen of a hypothesis from its views so far.
+struct Look {
+    met: Vec<ArrayVec<(Range, DVec2), MOST_MET>>,
+    missed: bool,
+    /// Around the depths of all.
+    depths: Range,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { met: Vec::new(), missed: false, depths: Range { low: f64::INFINITY, high: f64::NEG_INFINITY } }
+    }
+}
+
+impl Look {
+    fn add(&mut self, glance: Glance) {
+        match glance {
+            Glance::Met(met) => {
+                for (range, _) in &met {
+                    self.depths.low = self.depths.low.min(range.low);
+                    self.depths.high = self.depths.high.max(range.high);
+                }
+                self.met.push(met);
+            }
+            Glance::Missed => self.missed = true,
+            Glance::Unsure => {}
+        }
+    }
+
+    /// Whether on every line of the box the reading of some view may be that of the glance, either wrong by its bounds and
+    /// by m.
+    fn holds_alike(&self, glance: &Glance, frame: &Frame<'_>) -> bool {
+        match glance {
+            Glance::Unsure => false,
+            Glance::Missed => self.missed,
+            Glance::Met(met) => {
+                let near = |(range, _): &(Range, DVec2)| {
+                    range.low - self.depths.high <= frame.alike_depth
+                        && self.depths.low - range.high <= frame.alike_depth
+                };
+                let all_alike = |other: &ArrayVec<(Range, DVec2), MOST_MET>| {
+                    met.iter().all(|a| other.iter().all(|b| frame.alike(a, b)))
+                };
+                met.iter().all(near) && self.met.iter().any(all_alike)
+            }
+        }
+    }
 }
 
 impl View {
     fn new(scene: &Scene, member: usize, pose: Pose) -> Self {
         let model = scene.shadows[member].model();
         let radius = scene.sensor.tip_radius;
-        let faces = || model.faces.iter().filter(|face| face.surface != Surface::Seam);
-        let moved = |face: &Face, end: DVec2| {
-            pose.apply(end) + radius * pose.rotation.rotate(face.normal) - scene.middle
+        let face = |face: &Face| {
+            let normal = pose.rotation.rotate(face.normal);
+            let ends = [face.start, face.end].map(|end| pose.apply(end) + radius * normal - scene.middle);
+            let reach = ends[0].length().max(ends[1].length());
+            ViewFace { ends, reach, normal, touchable: face.surface == Surface::Touchable }
         };
-        Self {
-            starts: faces().map(|face| moved(face, face.start)).collect(),
-            ends: faces().map(|face| moved(face, face.end)).collect(),
-            normals: faces().map(|face| pose.rotation.rotate(face.normal).to_angle()).collect(),
-            solid: faces().map(|face| face.surface == Surface::Touchable).collect(),
-            corners: model.vertices.iter().map(|vertex| pose.apply(vertex.point) - scene.middle).collect(),
-        }
+        let faces = model.faces.iter().filter(|face| face.surface != Surface::Seam).map(face).collect();
+        let corners: Vec<DVec2> =
+            model.vertices.iter().map(|vertex| pose.apply(vertex.point) - scene.middle).collect();
+        let middle = corners.iter().sum::<DVec2>() / corners.len() as f64;
+        let radius = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+        let corners = corners.into_iter().map(|corner| (corner, corner.length())).collect();
+        Self { middle, radius, faces, corners }
     }
 
-    /// What lines of the box may meet first. The part of a closed model is met at one of the faces that look toward it.
-    fn glance(&self, scene: &Scene, lines: &Lines) -> Glance {
-        let along = DVec2::from_angle(lines.angle);
-        let aside = along.perp();
-        let chord = 2.0 * (0.5 * lines.half).sin();
-        let radius = scene.sensor.tip_radius;
-        let place = |at: DVec2| (along.dot(at), aside.dot(at) - lines.aside, lines.reach + chord * at.length());
-        let mut glance = Glance::default();
-        let near = |at: &DVec2| {
-            let (_, s, motion) = place(*at);
-            (s - motion <= radius, s + motion >= -radius)
-        };
+    /// What lines of the box may meet first. A closed part is met at one of the faces that look toward the line.
+    fn glance(&self, frame: &Frame<'_>) -> Glance {
+        let radius = frame.scene.sensor.tip_radius;
+        let (_, aside) = frame.place(self.middle);
+        let clear = self.radius + radius + frame.motion(self.middle.length() + self.radius);
+        if aside.abs() > clear {
+            return Glance::Missed;
+        }
         let (mut some_right, mut some_left) = (false, false);
-        for corner in &self.corners {
-            let (right, left) = near(corner);
-            some_right |= right;
-            some_left |= left;
+        for &(corner, reach) in &self.corners {
+            let (_, s) = frame.place(corner);
+            let motion = frame.motion(reach) + radius;
+            some_right |= s <= motion;
+            some_left |= s >= -motion;
+            if radius > 0.0 && s.abs() <= motion {
+                return Glance::Unsure;
+            }
         }
         if !(some_right && some_left) {
-            glance.may_miss = true;
-            return glance;
+            return Glance::Missed;
         }
-        if radius > 0.0 && self.corners.iter().map(near).any(|(right, left)| right && left) {
-            glance.unsure = true;
-            return glance;
-        }
+        self.met(frame)
+    }
+
+    /// The faces that may be met first, if some face surely is in the way.
+    fn met(&self, frame: &Frame<'_>) -> Glance {
         let mut nearest_sure = f64::INFINITY;
-        let mut crossed = false;
-        for k in 0..self.starts.len() {
-            let incidence = wrap(self.normals[k] - (-along).to_angle()).abs();
-            if incidence - lines.half >= FRAC_PI_2 {
+        let mut met: ArrayVec<(Range, DVec2, bool), 16> = ArrayVec::new();
+        for face in &self.faces {
+            let speed = face.normal.dot(frame.along);
+            if speed >= frame.sine {
                 continue;
             }
-            let (t0, s0, m0) = place(self.starts[k]);
-            let (t1, s1, m1) = place(self.ends[k]);
-            if s0.min(s1) - m0.max(m1) > 0.0 || s0.max(s1) + m0.max(m1) < 0.0 {
+            let [(t0, s0), (t1, s1)] = face.ends.map(|end| frame.place(end));
+            let motion = frame.motion(face.reach);
+            if s0.min(s1) > motion || s0.max(s1) < -motion {
                 continue;
             }
-            crossed = true;
-            let motion = m0.max(m1);
-            let sure = incidence + lines.half < FRAC_PI_2
-                && ((s0 + m0 < 0.0 && s1 - m1 > 0.0) || (s1 + m1 < 0.0 && s0 - m0 > 0.0));
-            // Where it is crossed, at most `motion` from the middle line across, and that far again along.
-            let range = if (s1 - s0).abs() > 2.0 * motion {
-                let slope = (t1 - t0) / (s1 - s0);
-                let at = t0 - slope * s0;
-                let spread = motion * (1.0 + slope.abs());
-                let clipped = Range { low: t0.min(t1) - motion, high: t0.max(t1) + motion };
-                Range { low: (at - spread).max(clipped.low), high: (at + spread).min(clipped.high) }
-            } else {
-                Range { low: t0.min(t1) - motion, high: t0.max(t1) + motion }
-            };
+            let sure = speed < -frame.sine && s0.min(s1) < -motion && s0.max(s1) > motion;
+            let range = crossed_at((t0, s0), (t1, s1), motion);
             if sure {
                 nearest_sure = nearest_sure.min(range.high);
             }
-            glance.met.push((range, self.normals[k]));
-            if !self.solid[k] {
-                glance.unsure = true;
+            if met.try_push((range, face.normal, face.touchable)).is_err() {
+                return Glance::Unsure;
             }
         }
-        glance.met.retain(|(range, _)| range.low <= nearest_sure);
-        glance.may_miss = nearest_sure == f64::INFINITY;
-        glance.unsure |= glance.met.len() > 4 || (!crossed && !glance.may_miss);
-        glance
+        met.retain(|(range, ..)| range.low <= nearest_sure);
+        if nearest_sure == f64::INFINITY || met.len() > MOST_MET || met.iter().any(|one| !one.2) {
+            return Glance::Unsure;
+        }
+        Glance::Met(met.into_iter().map(|(range, normal, _)| (range, normal)).collect())
     }
+}
+
+/// Depths at which lines of a box may cross a face with these ends: none is farther than `motion` from the middle line
+/// where it crosses it, and depths differ by as much again.
+fn crossed_at((t0, s0): (f64, f64), (t1, s1): (f64, f64), motion: f64) -> Range {
+    let ends = Range { low: t0.min(t1) - motion, high: t0.max(t1) + motion };
+    if (s1 - s0).abs() <= 2.0 * motion {
+        return ends;
+    }
+    let slope = (t1 - t0) / (s1 - s0);
+    let (at, spread) = (t0 - slope * s0, motion * (1.0 + slope.abs()));
+    Range { low: (at - spread).max(ends.low), high: (at + spread).min(ends.high) }
 }
 
 impl Glance {
     /// Whether whatever is met is met at too large an incidence for a usable line of margin m.
-    fn skids(&self, scene: &Scene, lines: &Lines) -> bool {
-        let back = wrap(lines.angle + PI);
-        !self.unsure
-            && !self.may_miss
-            && self.met.iter().all(|(_, normal)| {
-                wrap(normal - back).abs() - lines.half > scene.sensor.max_incidence - scene.margin / scene.size
-            })
-    }
-
-    /// Whether on every line of the box the two readings may be the same, were each wrong by its bounds and by m.
-    fn surely_alike(&self, other: &Self, scene: &Scene, _lines: &Lines) -> bool {
-        if self.unsure || other.unsure {
-            return false;
-        }
-        if self.may_miss || other.may_miss {
-            return self.met.is_empty() && other.met.is_empty();
-        }
-        let (depth, angle) = (2.0 * scene.margin, 2.0 * scene.margin / scene.size);
-        let alike = |a: &(Range, f64), b: &(Range, f64)| {
-            let farthest = (a.0.high - b.0.low).max(b.0.high - a.0.low);
-            scene.alike(Some((0.0, a.1)), Some((farthest, b.1)), -depth, -angle)
-        };
-        self.met.iter().all(|a| other.met.iter().all(|b| alike(a, b)))
+    fn skids(&self, frame: &Frame<'_>) -> bool {
+        matches!(self, Self::Met(met) if met.iter().all(|(_, normal)| -normal.dot(frame.along) < frame.skid_cosine))
     }
 }
 
