@@ -170,6 +170,80 @@ def test_csv_says_its_unit_in_a_comment(tmp_path):
     assert np.allclose(read(tmp_path, text, unit="in").contacts[0].center, [1, 0])
 
 
+@pytest.mark.parametrize(
+    "comment",
+    [
+        "# Units: in",
+        "# UNIT: IN",
+        "# unit in",
+        "#unit;in",
+        "#unit:in",
+        "# unit = in",
+        "# unit: in,,,",
+        '"# unit: in, "',
+    ],
+)
+def test_a_unit_may_be_said_in_several_ways(tmp_path, comment):
+    text = f"{comment}\nx,y,position_error\n1,0,0.1\n"
+    assert np.allclose(read(tmp_path, text).contacts[0].center, [25.4, 0])
+
+
+def test_a_unit_may_be_said_beside_the_header_and_twice(tmp_path):
+    text = "# unit: in\nx,y,position_error # units: in\n1,0,0.1\n"
+    assert np.allclose(read(tmp_path, text).contacts[0].center, [25.4, 0])
+
+
+def test_other_comments_say_no_unit(tmp_path):
+    text = "# united\n# the unit is in\nx,y,position_error\n1,0,0.1\n"
+    assert np.allclose(read(tmp_path, text).contacts[0].center, [1, 0])
+
+
+def test_blank_columns_at_the_end_are_left_out(tmp_path):
+    text = "x,y,position_error,,\n1,0,0.1,,\n2,0,0.1\n3,0,0.1,,,,\n,,,,\n"
+    assert [contact.center[0] for contact in read(tmp_path, text).contacts] == [1, 2, 3]
+
+
+def test_places_say_where_each_contact_stands(tmp_path):
+    rows = ["miss,0,9,1,5,9", "contact,1,2,1,,", "", "contact,3,4,1,,"]
+    text = "\n".join(["# a comment", "kind,x,y,position_error,start_x,start_y", *rows])
+    assert read(tmp_path, text).places == ["line 4", "line 6"]
+    document = json_with(contacts=[{"center": [1, 2], "position_error": 1}] * 2)
+    assert read(tmp_path, document, "json").places == ["contacts[0]", "contacts[1]"]
+
+
+@pytest.mark.parametrize(
+    ("argument", "value"),
+    [("position_error", -0.5), ("tip_radius", -1.0), ("path_error", math.nan), ("normal_error_deg", 400.0)],
+)
+def test_bad_arguments_are_not_blamed_on_the_file(tmp_path, argument, value):
+    with pytest.raises(ValueError, match=rf"^{argument}: must be .* \(got {value:g}\); give "):
+        read(tmp_path, "x,y\n1,2\n", **({"position_error": 1.0} | {argument: value}))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"contacts": [1]}, "contacts[0]: must be a Contact (got 1); give a list of palpate.Contact"),
+        ({"contacts": 1}, "contacts: must be a sequence of Contact (got 1); give a list of palpate.Contact"),
+        (
+            {"contacts": "ab"},
+            "contacts: must be a sequence of Contact (got 'ab'); give a list of palpate.Contact",
+        ),
+        (
+            {"contacts": [], "misses": [None]},
+            "misses[0]: must be a Miss (got None); give a list of palpate.Miss",
+        ),
+        ({"contacts": [], "prior": 3}, "prior: must be a Prior (got 3); give palpate.Prior, or leave it out"),
+    ],
+)
+@pytest.mark.parametrize("suffix", ["csv", "json"])
+def test_only_evidence_is_written(tmp_path, suffix, *, arguments, message):
+    with pytest.raises(ValueError) as refusal:
+        write_contacts(tmp_path / f"x.{suffix}", **arguments)
+    assert str(refusal.value) == message
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_spreadsheet_s_byte_order_mark_is_no_part_of_the_header(tmp_path):
     assert len(read(tmp_path, "\ufeffx,y,position_error\r\n1,0,0.1\r\n").contacts) == 1
 
@@ -199,12 +273,29 @@ BAD_CSV = [
     ("x,y,position_error\n1,2,-0.5\n", "touches.csv, line 2: position_error: "),
     ("x,y,position_error,tip_radius\n1,2,1,-1\n", "touches.csv, line 2: tip_radius: "),
     ("x,y,nx,ny,position_error,normal_error_deg\n1,2,0,0,1,4\n", "touches.csv, line 2: normal: "),
-    ("x,y,nx,ny,position_error,normal_error_deg\n1,2,0,1,1,120\n", "touches.csv, line 2: normal_error: "),
+    (
+        "x,y,nx,ny,position_error,normal_error_deg\n1,2,0,1,1,120\n",
+        "touches.csv, line 2, normal_error_deg: must be an angle in degrees, from 0 to 90 (got 120)",
+    ),
     ("kind,x,y,position_error\ntap,1,2,0.5\n", "touches.csv, line 2, column kind: unknown kind 'tap'"),
     ("kind,x,y\nmiss,1,2\n", "touches.csv, line 2, column start_x: blank in a miss"),
     (
         "kind,x,y,nx,ny,start_x,start_y\nmiss,1,2,0,1,0,0\n",
         "touches.csv, line 2, column nx: a miss has no normal",
+    ),
+    ("x;y\n1,5;2\n", "touches.csv, line 1: its columns are separated by semicolons; use commas"),
+    ("x\ty\n1\t2\n", "touches.csv, line 1: its columns are separated by tabs; use commas"),
+    ("73.3,3.4,-0.06,-1.0\n", "touches.csv, line 1: numbers where the header should be; begin with a line"),
+    (",,\n1,2,3\n", "touches.csv, line 1: the header is blank"),
+    ("x,y,position_error,,\n1,2,0.5,,\n3,4,0.5,,7\n", "touches.csv, line 3: 5 cells where the header has 3"),
+    ("x,,y\n1,,2\n", "touches.csv, line 1, column '': unknown"),
+    ("# Unit: mm; 2024-01-01\nx,y\n1,2\n", "touches.csv, line 1: 'Unit: mm; 2024-01-01' says no unit"),
+    ("# units of length are mm\nx,y\n1,2\n", "touches.csv, line 1: 'units of length are mm' says no unit"),
+    ("# UNIT\nx,y\n1,2\n", "touches.csv, line 1: 'UNIT' says no unit"),
+    ("# unit: mm\n# Unit: in\nx,y\n1,2\n", "touches.csv, line 2: the unit is 'in', before it was 'mm'"),
+    (
+        "x,y,position_error\n1,2,0.5\n# unit: in\n",
+        "touches.csv, line 3: the unit is said after the first row",
     ),
     ("# unit: furlong\nx,y,position_error\n1,2,0.5\n", "touches.csv: unit: unknown unit 'furlong'"),
 ]
@@ -249,7 +340,10 @@ BAD_JSON = [
     (json_with(), "touches.json: contacts[0], position_error: absent"),
     (json_with(misses=[{"start": [0, 0]}]), "touches.json: misses[0]: end: absent"),
     (prior_with(translation=-1), "touches.json: prior: translation: "),
-    (prior_with(rotation_deg=200), "touches.json: prior: rotation: "),
+    (
+        prior_with(rotation_deg=200),
+        "touches.json: prior: rotation_deg: must be an angle in degrees, from 0 to 180 (got 200)",
+    ),
     (
         prior_with(world_from_model=[[1, 0], [0, 1]]),
         "touches.json: prior: world_from_model: [[1, 0], [0, 1]] is not",

@@ -3,7 +3,8 @@
 A CSV file has a header; its columns are `x,y` and, as needed, `kind` (`contact` or `miss`), `nx,ny`,
 `position_error`, `normal_error_deg`, `tip_radius`, `path_error`, `approach_x,approach_y`, `start_x,start_y`.
 `x,y` is the centre of the tip; a miss swept from `start_x,start_y` to `x,y`. A blank cell is an absent value,
-`#` begins a comment, and the comment `# unit: in` says that the file is in another unit than the models.
+`#` begins a comment, and the comment `# unit: in` says that the file is in another unit than the models; a
+comment that begins with "unit" and can't be understood is refused.
 A JSON file is a `palpate-contacts` document (`schemas/contacts-1.json`); it can also hold a prior.
 
 What a file leaves out comes from the arguments; what it says goes before them. Nothing is guessed: a contact
@@ -20,7 +21,16 @@ from typing import Any
 
 from palpate._core import Contact, Miss, Prior
 from palpate.contacts.csv_file import csv_text, parse_csv
-from palpate.contacts.entry import Defaults, contact_of, miss_of, mm_per, prior_of, refuse, sheet_of
+from palpate.contacts.entry import (
+    Defaults,
+    check_defaults,
+    contact_of,
+    miss_of,
+    mm_per,
+    prior_of,
+    refuse,
+    sheet_of,
+)
 from palpate.contacts.entry import Sheet as Sheet
 from palpate.contacts.json_file import document_of, parse_json
 
@@ -32,6 +42,8 @@ class Evidence:
     contacts: list[Contact]
     misses: list[Miss] = field(default_factory=list[Miss])
     prior: Prior | None = None
+    places: list[str] = field(default_factory=list[str])
+    """Where each contact stands in its file, `line 3` or `contacts[0]`; empty if they are from none."""
 
 
 def read_contacts(
@@ -61,6 +73,7 @@ def read_contacts(
         refuse(str(path), "is a folder", "name a .csv or .json file")
     mm_per_unit = mm_per(unit, "unit")
     defaults = Defaults(position_error, normal_error_deg, tip_radius, path_error)
+    check_defaults(defaults)
     parse = {".csv": parse_csv, ".json": parse_json}.get(path.suffix.lower())
     if parse is None:
         refuse(path.name, f"suffix {path.suffix!r} is not known", "name the file .csv or .json")
@@ -73,6 +86,7 @@ def read_contacts(
         [contact_of(entry, defaults) for entry in sheet.contacts],
         [miss_of(entry, defaults) for entry in sheet.misses],
         None if sheet.prior is None else prior_of(sheet.prior),
+        [entry.where.removeprefix(path.name).lstrip(",: ") for entry in sheet.contacts],
     )
 
 
@@ -87,7 +101,8 @@ def write_contacts(
     """Write a contact file, CSV or JSON by its suffix. Reading it back gives equal contacts.
 
     Raises:
-        ValueError: If the suffix is neither, or a prior is to go into CSV, which has no place for it.
+        ValueError: If the suffix is neither, something else is among the contacts or misses, or a prior is to
+            go into CSV, which has no place for it.
     """
     path = Path(path)
     mm_per(unit, "unit")

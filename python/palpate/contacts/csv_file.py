@@ -5,9 +5,8 @@ from __future__ import annotations
 import csv
 import math
 import re
-from typing import NoReturn
 
-from palpate.contacts.entry import SCALARS, Entry, Point, Sheet, refuse
+from palpate.contacts.entry import MM_PER_UNIT, SCALARS, Entry, Point, Sheet, refuse
 
 POINT_COLUMNS = {
     "center": ("x", "y"),
@@ -18,7 +17,9 @@ POINT_COLUMNS = {
 COLUMNS = ("kind", "x", "y", "nx", "ny", *SCALARS, "approach_x", "approach_y", "start_x", "start_y")
 SPACE_COLUMNS = ("z", "nz", "approach_z", "start_z")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")  # float() would also take "nan" and "1_000"
-UNIT_COMMENT = re.compile(r"\s*#\s*unit\s*[:=]\s*(\S+)\s*")
+# A comment that begins with "unit" is meant to say one: what of it is not understood is refused.
+UNIT_COMMENT = re.compile(r"units?(?![a-z])(.*)", re.IGNORECASE)
+UNIT_VALUE = re.compile(r"\s*[:=;,]?\s*([a-z]+)[\s;,\"]*", re.IGNORECASE)  # a spreadsheet may add separators
 
 
 def parse_csv(name: str, text: str) -> Sheet:
@@ -29,17 +30,21 @@ def parse_csv(name: str, text: str) -> Sheet:
     misses: list[Entry] = []
     for number, line in enumerate(text.splitlines(), start=1):
         where = f"{name}, line {number}"
-        if match := UNIT_COMMENT.fullmatch(line):
-            unit = match[1]
-        cells = _cells(line)
+        bare, comment = _split(line)
+        said = _unit(where, comment)
+        if said is not None:
+            if unit is not None and said != unit:
+                refuse(where, f"the unit is {said!r}, before it was {unit!r}", "say one unit for the file")
+            if contacts or misses:
+                refuse(where, "the unit is said after the first row", "say it above the header")
+            unit = said
+        cells = _cells(bare)
         if not cells:
             continue
         if header is None:
             header = _header(where, cells)
             continue
-        if len(cells) != len(header):
-            _refuse_count(where, len(cells), len(header))
-        row = {column: cell for column, cell in zip(header, cells, strict=True) if cell}
+        row = _row_of(where, cells, header)
         if row:  # a row of blanks is what spreadsheets leave at the end
             (misses if _kind(where, row) == "miss" else contacts).append(_entry(where, row))
     if header is None:
@@ -60,13 +65,34 @@ def csv_text(sheet: Sheet) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _cells(line: str) -> list[str]:
-    bare = line.split("#", 1)[0].strip()
-    return [cell.strip() for cell in next(csv.reader([bare]))] if bare else []
+def _split(line: str) -> tuple[str, str]:
+    """What stands before `#`, and the comment after it."""
+    bare, _, comment = line.partition("#")
+    # A spreadsheet puts a comment that has a comma in it into quotes.
+    return ("" if bare.strip() == '"' else bare), comment.strip().strip('"')
+
+
+def _unit(where: str, comment: str) -> str | None:
+    """The unit that a comment says, None if it is about something else."""
+    about_unit = UNIT_COMMENT.match(comment)
+    if about_unit is None:
+        return None
+    value = UNIT_VALUE.fullmatch(about_unit[1])
+    if value is None:
+        known = ", ".join(MM_PER_UNIT)
+        refuse(where, f"{comment!r} says no unit that is understood", f"write # unit: and one of {known}")
+    return value[1].lower()
+
+
+def _cells(bare: str) -> list[str]:
+    return [cell.strip() for cell in next(csv.reader([bare.strip()]))] if bare.strip() else []
 
 
 def _header(where: str, cells: list[str]) -> list[str]:
     header = [cell.lower() for cell in cells]
+    _refuse_what_is_no_header(where, cells)
+    while not header[-1]:  # columns that a spreadsheet adds; the rows must leave them blank
+        header.pop()
     for column in header:
         if column in SPACE_COLUMNS:
             refuse(
@@ -85,8 +111,25 @@ def _header(where: str, cells: list[str]) -> list[str]:
     return header
 
 
-def _refuse_count(where: str, found: int, expected: int) -> NoReturn:
-    refuse(where, f"{found} cells where the header has {expected}", "leave a cell blank for an absent value")
+def _refuse_what_is_no_header(where: str, cells: list[str]) -> None:
+    """Name the cause where the first row is no header at all."""
+    begin = "begin with a line such as x,y,nx,ny"
+    for separator, plural in ((";", "semicolons"), ("\t", "tabs")):
+        if len(cells) == 1 and separator in cells[0]:
+            refuse(where, f"its columns are separated by {plural}", "use commas, and points in decimals")
+    if not any(cells):
+        refuse(where, "the header is blank", begin)
+    if all(NUMBER.fullmatch(cell) for cell in cells if cell):
+        refuse(where, "numbers where the header should be", begin)
+
+
+def _row_of(where: str, cells: list[str], header: list[str]) -> dict[str, str]:
+    """The cells that are not blank, by column."""
+    beyond = [cell for cell in cells[len(header) :] if cell]
+    if len(cells) < len(header) or beyond:
+        problem = f"{len(cells)} cells where the header has {len(header)}"
+        refuse(where, problem, "leave a cell blank for an absent value")
+    return {column: cell for column, cell in zip(header, cells, strict=False) if cell}
 
 
 def _kind(where: str, row: dict[str, str]) -> str:

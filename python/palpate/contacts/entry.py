@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar, cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ SCALARS = ("position_error", "normal_error_deg", "tip_radius", "path_error")
 PLACES = ("center", "start", "end")  # the other points are directions and have no unit
 
 Point = tuple[float, float]
+Kind = TypeVar("Kind")
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Defaults:
 
 @dataclass(frozen=True)
 class Entry:
-    """One contact or miss as a file has it; `where` is its place in the file, for messages."""
+    """One contact or miss as a file has it; `where` is the file and its place there, for messages."""
 
     where: str
     points: dict[str, Point]
@@ -91,6 +92,22 @@ def mm_per(unit: str, where: str) -> float:
     return MM_PER_UNIT[unit]
 
 
+def check_degrees(where: str, value: float, most: float) -> None:
+    """Refuse an angle that the core would refuse in radians, which nobody wrote."""
+    if not 0.0 <= value <= most:
+        refuse(where, f"must be an angle in degrees, from 0 to {most:g} (got {value:g})", "give degrees")
+
+
+def check_defaults(defaults: Defaults) -> None:
+    """Refuse bad defaults by their own names, before an entry of a file is blamed for them."""
+    for name in ("position_error", "tip_radius", "path_error"):
+        value = getattr(defaults, name)
+        if value is not None and not 0.0 <= value < math.inf:
+            refuse(name, f"must be a finite number, zero or more (got {value:g})", "give it as a length")
+    if defaults.normal_error_deg is not None:
+        check_degrees("normal_error_deg", defaults.normal_error_deg, 90.0)
+
+
 def contact_of(entry: Entry, defaults: Defaults) -> Contact:
     """The contact that `entry` describes."""
     normal = entry.points.get("normal")
@@ -110,6 +127,8 @@ def contact_of(entry: Entry, defaults: Defaults) -> Contact:
             problem,
             "fill it in, or give --normal-error-deg for all contacts",
         )
+    if normal_error_deg is not None:
+        check_degrees(f"{entry.where}, normal_error_deg", normal_error_deg, 90.0)
     try:
         return Contact.from_tip(
             entry.points["center"],
@@ -150,6 +169,7 @@ def miss_of(entry: Entry, defaults: Defaults) -> Miss:
 
 def prior_of(entry: PriorEntry) -> Prior:
     """The prior that `entry` describes."""
+    check_degrees(f"{entry.where}: rotation_deg", entry.rotation_deg, 180.0)
     try:
         return Prior(
             np.array(entry.world_from_model),
@@ -162,12 +182,33 @@ def prior_of(entry: PriorEntry) -> Prior:
 
 def sheet_of(contacts: Sequence[Contact], misses: Sequence[Miss], *, prior: Prior | None, unit: str) -> Sheet:
     """The sheet that, when read in `unit`, gives these contacts, misses and prior."""
+    contacts = _all_of("contacts", contacts, Contact)
+    misses = _all_of("misses", misses, Miss)
+    if not isinstance(prior, Prior | None):
+        refuse("prior", f"must be a Prior (got {_brief(prior)})", "give palpate.Prior, or leave it out")
     return Sheet(
         unit,
         [_entry_of_contact(contact) for contact in contacts],
         [_entry_of_miss(miss) for miss in misses],
         None if prior is None else _entry_of_prior(prior),
     )
+
+
+def _all_of(name: str, members: Any, kind: type[Kind]) -> list[Kind]:
+    """The members of a sequence, all of one class."""
+    remedy = f"give a list of palpate.{kind.__name__}"
+    if isinstance(members, str) or not isinstance(members, Iterable):
+        refuse(name, f"must be a sequence of {kind.__name__} (got {_brief(members)})", remedy)
+    listed = list(cast("Iterable[Any]", members))
+    for k, member in enumerate(listed):
+        if not isinstance(member, kind):
+            refuse(f"{name}[{k}]", f"must be a {kind.__name__} (got {_brief(member)})", remedy)
+    return listed
+
+
+def _brief(value: Any) -> str:
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else f"{text[:80]}…"
 
 
 def _entry_of_contact(contact: Contact) -> Entry:
