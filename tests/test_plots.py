@@ -15,7 +15,7 @@ import palpate
 from palpate import Contact, Miss, Model
 from palpate.plots import plot_models, plot_pose_range, plot_recognition, save_figure
 from palpate.plots.shapes import outline_of
-from palpate.plots.style import COLORS
+from palpate.plots.style import COLORS, at_most
 
 
 @pytest.fixture(scope="module")
@@ -163,3 +163,51 @@ def test_models_show_face_numbers_and_what_can_t_be_touched():
 def test_no_models_can_t_be_drawn():
     with pytest.raises(ValueError, match="models: nothing to draw"):
         plot_models([])
+
+
+def test_bounds_are_rounded_outward():
+    assert [at_most(value) for value in (1.3527, 0.0, 12.31, 100.0, 0.25, 123456.0, 1.2e-7)] == [
+        "1.36",
+        "0",
+        "12.4",
+        "100",
+        "0.25",
+        "1.24e+05",
+        "1.2e-07",
+    ]
+    for value in np.random.default_rng(0).uniform(1e-9, 1.0, 500):
+        assert value * (1 - 1e-9) <= float(at_most(value)) <= 1.011 * value
+
+
+def test_the_title_of_a_range_is_a_bound(found, touches):
+    hypothesis = found.hypotheses[0]
+    title = plot_pose_range(hypothesis, touches).axes[0].get_title()
+    turn = float(title.split("at most ")[1].split("°")[0])
+    assert math.degrees(hypothesis.poses.rotation_bound) <= turn
+
+
+def test_what_is_too_small_to_be_seen_is_not_in_the_legend(found, touches, bracket):
+    assert len(plot_pose_range(found.hypotheses[0], touches).legends[0].get_texts()) == 3
+    bounds = {"position_error": 0.01, "normal_error": 1e-4}
+    exact = [Contact((30, 0), (0, -1), **bounds), Contact((0, 20), (-1, 0), **bounds)]
+    hypothesis = palpate.recognize([bracket], exact).hypotheses[0]
+    (text,) = plot_pose_range(hypothesis, exact).legends[0].get_texts()
+    assert text.get_text() == "pose of largest slack; the others lie under its lines"
+
+
+def test_face_numbers_are_thinned_where_there_are_many():
+    angles = np.linspace(0.0, 2.0 * math.pi, 150, endpoint=False)
+    axes = plot_models([Model.polygon(np.c_[np.cos(angles), np.sin(angles)] * 50)]).axes[0]
+    assert [text.get_text() for text in axes.texts] == [str(k) for k in range(0, 150, 5)]
+    assert axes.get_title().endswith(", numbers divisible by 5 shown")
+
+
+def test_models_of_one_name_are_told_apart(bracket, touches):
+    other = Model.polygon(bracket.vertices * [1, 2], name="bracket")
+    found = palpate.recognize([bracket, other], touches)
+    for names, expected in (
+        (None, ["bracket (model 1)", "bracket (model 2)"]),
+        (["left", "right"], ["left", "right"]),
+    ):
+        texts = plot_recognition(found, touches, part_names=names).legends[0].get_texts()
+        assert [text.get_text().rsplit(" (", 1)[0] for text in texts] == expected

@@ -18,16 +18,19 @@ from palpate.plots.style import (
     CONFLICT,
     RC,
     SENSED,
+    at_most,
     frame_of,
     new_figure,
     part_style,
     set_frame,
     shape_of,
+    thinned,
     words,
 )
 
 MOST_DRAWN = 25  # hypotheses in one picture; more can't be told apart
 MOST_NUMBERED = 60  # faces of one model that get a number
+SMALLEST_SEEN = 0.004  # of the frame: less than the width of a line
 
 
 def plot_recognition(
@@ -37,13 +40,16 @@ def plot_recognition(
     misses: Sequence[Miss] = (),
     unit: str = "mm",
     title: str | None = None,
+    part_names: Sequence[str] | None = None,
 ) -> Figure:
     """All hypotheses superposed, each part in its colour, with the contacts and misses they explain.
 
-    Beyond 25 hypotheses the first 25 are drawn, and the title says so.
+    Beyond 25 hypotheses the first 25 are drawn, and the title says so. `part_names` says what to call the
+    models, in their order; else they have their own names, with their numbers, counted from 1, where several
+    have the same.
     """
     drawn = list(found.hypotheses[:MOST_DRAWN])
-    parts = list(dict.fromkeys(hypothesis.model.name for hypothesis in found.hypotheses))
+    parts = list(dict.fromkeys(hypothesis.model_number for hypothesis in found.hypotheses))
     corners = [placed(h.world_from_model, h.model.vertices) for h in drawn]
     spike = _spike_for(corners, contacts)
     low, high = frame_of(np.vstack([*corners, *evidence_points(contacts, misses, spike=spike)]))
@@ -53,7 +59,7 @@ def plot_recognition(
         fill = 0.16 / max(1.0, len(drawn) / 4)
         numbers_at = _number_places(corners, [np.asarray(contact.center) for contact in contacts])
         for number, hypothesis in enumerate(drawn, start=1):
-            color, dash = part_style(parts.index(hypothesis.model.name))
+            color, dash = part_style(parts.index(hypothesis.model_number))
             pose = hypothesis.world_from_model
             draw_model(axes, hypothesis.model, pose, color=color, dash=dash, fill=fill, width=1.3)
             place = numbers_at[number - 1]
@@ -65,7 +71,7 @@ def plot_recognition(
         for miss in misses:
             draw_miss(axes, miss)
         axes.set_title(title if title is not None else _recognition_title(found))
-        _add_part_legend(figure, found, parts)
+        _add_part_legend(figure, found, part_names)
         set_frame(axes, low, high, unit=unit)
     return figure
 
@@ -107,14 +113,22 @@ def plot_pose_range(
             draw_miss(axes, miss)
         shift = max(poses.excursion(vertex) for vertex in model.vertices)
         turn = math.degrees(poses.rotation_bound)
-        axes.set_title(
-            f"{model.name}: turns by at most {turn:.3g}°, vertices move by at most {shift:.3g} {unit}"
+        turns, moves = (
+            f"turns by at most {at_most(turn)}°",
+            f"vertices move by at most {at_most(shift)} {unit}",
         )
-        handles = [
-            Line2D([], [], color=color, lw=2.0, label="pose of largest slack"),
-            Line2D([], [], color=color, lw=0.8, alpha=0.5, label=f"{len(samples)} sampled poses"),
-            Line2D([], [], marker="s", ls="", color="#E69F00", alpha=0.5, label="where each vertex may be"),
-        ]
+        axes.set_title(f"{model.name}: {turns}, {moves}")
+        best = "pose of largest slack"
+        if shift < SMALLEST_SEEN * float((high - low).max()):
+            handles = [Line2D([], [], color=color, lw=2.0, label=f"{best}; the others lie under its lines")]
+        else:
+            handles = [
+                Line2D([], [], color=color, lw=2.0, label=best),
+                Line2D([], [], color=color, lw=0.8, alpha=0.5, label=f"{len(samples)} sampled poses"),
+                Line2D(
+                    [], [], marker="s", ls="", color="#E69F00", alpha=0.5, label="where each vertex may be"
+                ),
+            ]
         figure.legend(handles=handles, loc="outside lower center", ncols=3)
         set_frame(axes, low, high, unit=unit)
     return figure
@@ -156,14 +170,14 @@ def _frames_of(models: Sequence[Model]) -> list[tuple[Array, Array]]:
 def _draw_labelled(axes: Axes, model: Model, *, color: str) -> None:
     draw_model(axes, model, np.eye(3), color=color, fill=0.12, width=1.5)
     tick = 0.035 * model.size
-    numbered = [k for k, surface in enumerate(model.face_surfaces) if surface != "seam"]
-    if len(numbered) <= MOST_NUMBERED:
-        for index, place in zip(numbered, _face_number_places(model, numbered, tick=tick), strict=True):
-            middle = model.faces[index].mean(axis=0)
-            axes.plot(*np.array([middle, middle + tick * model.face_normals[index]]).T, color=color, lw=0.9)
-            axes.text(
-                *place, str(index), ha="center", va="center", fontsize=7, color="#333333", path_effects=HALO
-            )
+    given = [k for k, surface in enumerate(model.face_surfaces) if surface != "seam"]
+    numbered, step = thinned(given, MOST_NUMBERED)
+    for index, place in zip(numbered, _face_number_places(model, numbered, tick=tick), strict=True):
+        middle = model.faces[index].mean(axis=0)
+        axes.plot(*np.array([middle, middle + tick * model.face_normals[index]]).T, color=color, lw=0.9)
+        axes.text(
+            *place, str(index), ha="center", va="center", fontsize=7, color="#333333", path_effects=HALO
+        )
     touchable = np.asarray(model.touchable_vertices, dtype=bool)
     for chosen, fill in ((touchable, color), (~touchable, "white")):
         axes.plot(
@@ -171,7 +185,8 @@ def _draw_labelled(axes: Axes, model: Model, *, color: str) -> None:
         )
     turns = len(model.symmetries)
     also = f", {turns} symmetries" if turns > 1 else ""
-    axes.set_title(f"{model.name}: {len(model.faces)} faces{also}")
+    thin = f", numbers divisible by {step} shown" if step > 1 else ""
+    axes.set_title(f"{model.name}: {len(model.faces)} faces{also}{thin}")
 
 
 def _face_number_places(model: Model, numbered: Sequence[int], *, tick: float) -> list[Array]:
@@ -248,12 +263,17 @@ def _recognition_title(found: Recognition) -> str:
     return title if count <= MOST_DRAWN else f"{title}, the first {MOST_DRAWN} drawn"
 
 
-def _add_part_legend(figure: Figure, found: Recognition, parts: Sequence[str]) -> None:
+def _add_part_legend(figure: Figure, found: Recognition, part_names: Sequence[str] | None) -> None:
+    names = {hypothesis.model_number: hypothesis.model.name for hypothesis in found.hypotheses}
     handles: list[Line2D] = []
-    for index, part in enumerate(parts):
-        numbers = [n for n, h in enumerate(found.hypotheses, start=1) if h.model.name == part]
+    for index, (part, name) in enumerate(names.items()):
+        if part_names is not None:
+            name = part_names[part]
+        elif list(names.values()).count(name) > 1:
+            name = f"{name} (model {part + 1})"
+        numbers = [n for n, h in enumerate(found.hypotheses, start=1) if h.model_number == part]
         which = ", ".join(map(str, numbers)) if len(numbers) <= 6 else f"{len(numbers)} hypotheses"
         color, dash = part_style(index)
-        handles.append(Line2D([], [], color=color, ls=dash, lw=2.0, label=f"{part} ({which})"))
+        handles.append(Line2D([], [], color=color, ls=dash, lw=2.0, label=f"{name} ({which})"))
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=min(3, len(handles)))

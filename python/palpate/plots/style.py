@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -32,6 +34,7 @@ RC: dict[str, Any] = {
     "font.size": 9,
     "legend.frameon": False,
     "savefig.dpi": 160,
+    "text.parse_math": False,  # a part may be called $5
     "svg.hashsalt": "palpate",  # identifiers of SVG elements: the same every time
     "xtick.color": "#666666",
     "ytick.color": "#666666",
@@ -84,7 +87,9 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     # Whole or not at all: an interrupted run leaves no half of a picture.
     partial = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
     try:
-        with mpl.rc_context(RC):
+        with mpl.rc_context(RC), warnings.catch_warnings():
+            # A name in letters that the font lacks is drawn as boxes; that needs no lines on stderr.
+            warnings.filterwarnings("ignore", message="Glyph .* missing from")
             figure.savefig(partial, format=path.suffix.lower()[1:], **kept)
         partial.replace(path)
     finally:
@@ -106,3 +111,21 @@ def words(items: Sequence[object]) -> str:
     """`1, 3 and 4`."""
     texts = [str(item) for item in items]
     return texts[0] if len(texts) == 1 else ", ".join(texts[:-1]) + " and " + texts[-1]
+
+
+def at_most(value: float) -> str:
+    """A bound in three digits or so, rounded up: what is printed must still be a bound."""
+    if value <= 0.0:
+        return "0"
+    step = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return f"{math.ceil(value / step - 1e-9) * step:.4g}"
+
+
+def thinned(numbers: Sequence[int], most: int) -> tuple[list[int], int]:
+    """At most `most` of the numbers, those that a round step divides, and that step."""
+    steps = (factor * 10**power for power in range(10) for factor in (1, 2, 5))
+    for step in steps:
+        kept = [number for number in numbers if number % step == 0]
+        if len(kept) <= most:
+            break
+    return kept, step
