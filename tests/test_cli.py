@@ -97,6 +97,8 @@ def test_recognize_as_json(folder, capsys):
     document = json.loads(run(capsys, *arguments, "--json", "--list-interpretations", "2", "--stats"))
     validate(document, "recognition-1")
     assert document["models"] == ["bracket", "plate"]
+    assert document["readings"] == [{"position_slack": 0.0, "normal_slack_deg": 0.0, "mends": []}] * 2
+    assert document["hypothesis_count"] == len(document["hypotheses"])
     assert document["contact_count"] == 2
     assert document["conflict"] is None
     assert len(document["counters"]) == 2
@@ -137,6 +139,8 @@ def test_no_part_explains_the_contacts(folder, capsys):
     out = run(capsys, "recognize", "bracket.json", "--contacts", "far.csv")
     assert out.startswith("3 contacts, 1 model: no part at any pose explains them.\n")
     assert " can't hold together on any model" in out
+    assert "(lines 2 and 4 of the file)" in out or "(lines 3 and 4 of the file)" in out
+    assert "\nUsual causes: bounds that are too small, another unit, " in out
     document = json.loads(run(capsys, "recognize", "bracket.json", "--contacts", "far.csv", "--json"))
     validate(document, "recognition-1")
     assert document["hypotheses"] == []
@@ -145,8 +149,13 @@ def test_no_part_explains_the_contacts(folder, capsys):
 
 def test_a_search_cut_short_is_said_to_be(folder, capsys):
     arguments = ("recognize", "bracket.json", "--contacts", "touches.csv", "--max-hypotheses", "1")
-    assert "not all hypotheses were found" in run(capsys, *arguments)
-    assert json.loads(run(capsys, *arguments, "--json"))["complete"] is False
+    document = json.loads(run(capsys, *arguments, "--json"))
+    validate(document, "recognition-1")
+    reached = document["hypothesis_count"]
+    assert (document["complete"], len(document["hypotheses"])) == (False, 1)
+    assert reached > 1
+    out = run(capsys, *arguments)
+    assert f"not all hypotheses were found; {reached} hypotheses reached, the first 1 listed, " in out
 
 
 def test_a_prior_narrows_the_answer(folder, capsys):
@@ -221,7 +230,7 @@ def test_models_prints_and_draws(folder, capsys):
     out = run(capsys, "models", "bracket.json", "plate.json", "--plot", "models.png")
     assert "bracket: 6 faces, 6 vertices, closed, size 100 mm" in out
     assert "symmetries: looks the same turned by 180°" in out
-    assert "vertices that can't be touched: 3" in out
+    assert "vertices that can't be touched: 3\n" in out
     assert Path("models.png").stat().st_size > 1000
 
 
@@ -238,8 +247,9 @@ def test_demo(folder, capsys):
     assert "</svg>" in Path("palpate-demo.svg").read_text()
 
 
-def test_demo_as_json(folder, capsys):
-    document = json.loads(run(capsys, "demo", "--part", "boot", "--out", "boot.png", "--json"))
+@pytest.mark.parametrize("flag", ["--plot", "--out"])
+def test_demo_as_json(folder, capsys, flag):
+    document = json.loads(run(capsys, "demo", "--part", "boot", flag, "boot.png", "--json"))
     validate(document, "demo-1")
     assert document["truth"]["model"] == "boot"
     assert Path("boot.png").is_file()
@@ -262,6 +272,11 @@ def test_every_command_has_an_example(capsys, command):
     assert f"Example: palpate {command}" in run(capsys, command, "--help")
 
 
+@pytest.mark.parametrize("command", [(), ("demo",), ("recognize",), ("models",)])
+def test_flags_are_listed_without_a_type(capsys, command):
+    assert "<bool>" not in run(capsys, *command, "--help")
+
+
 def test_without_a_command_the_help_is_shown(capsys):
     assert "Usage: palpate" in run(capsys)
 
@@ -280,7 +295,7 @@ def test_a_reader_that_goes_away_is_no_fault(folder):
 def test_an_interrupt_ends_it_in_silence(folder):
     arguments = ["recognize", "bracket.json", "--contacts", "touches.csv"]
     code = f"""
-import sys, time
+import signal, sys, time
 import palpate.cli.recognize
 from palpate.cli import main
 
@@ -288,6 +303,8 @@ def never_ending(*models_and_contacts, **settings):
     print("ready", flush=True)
     time.sleep(1000)
 
+# A background job of a shell has interrupts ignored, and so would its children.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 palpate.cli.recognize.recognize_parts = never_ending
 sys.exit(main({arguments!r}))
 """
@@ -313,3 +330,113 @@ def test_more_interpretations_than_can_be_counted(folder, capsys):
     out = run(capsys, "recognize", "wheel.json", "--contacts", "rim.csv", "--position-error", "2")
     assert ": it is wheel; 1 hypothesis, at least " in out
     assert max(map(len, out.splitlines())) <= 110
+
+
+def write_model(file, outer, **rest):
+    model = {"schema": "palpate-model", "version": 1, "name": Path(file).stem, "unit": "mm", "outer": outer}
+    Path(file).parent.mkdir(exist_ok=True)
+    Path(file).write_text(json.dumps(model | rest))
+
+
+def test_what_reading_a_model_changed_is_said_with_the_answer(folder, capsys):
+    write_model("rough.json", BRACKET[::-1], position_slack=0.25, normal_slack_deg=6.9)
+    arguments = ("recognize", "rough.json", "plate.json", "--contacts", "touches.csv")
+    out = run(capsys, *arguments)
+    (model,) = palpate.load_models("rough.json")
+    mends = "".join(f"; mended: {mend}" for mend in model.mends)
+    assert model.mends
+    assert f"\n  rough: slack 0.25 mm and 6.9°, added to the errors of every contact{mends}\n" in out
+    assert "\n  plate" not in out, "there is nothing to say of it"
+    document = json.loads(run(capsys, *arguments, "--json"))
+    validate(document, "recognition-1")
+    assert document["readings"][0] == {
+        "position_slack": 0.25,
+        "normal_slack_deg": pytest.approx(6.9),
+        "mends": model.mends,
+    }
+
+
+def test_mends_come_first_in_what_was_read(folder, capsys):
+    write_model("rough.json", BRACKET[::-1], position_slack=0.25)
+    lines = run(capsys, "models", "rough.json").splitlines()
+    assert lines[0].startswith("rough: 6 faces")
+    assert lines[1].startswith("  mended: ")
+
+
+def test_models_of_one_name_are_told_apart(folder, capsys):
+    write_model("A/part.json", BRACKET)
+    write_model("B/part.json", [[x, 2 * y] for x, y in BRACKET])
+    names = ("A/part.json", "B/part.json")
+    arguments = ("recognize", *names, "--contacts", "touches.csv")
+    document = json.loads(run(capsys, *arguments, "--json"))
+    numbers = [hypothesis["model_number"] for hypothesis in document["hypotheses"]]
+    assert set(numbers) == {0, 1}
+    out = run(capsys, *arguments, "--plot", "found.svg")
+    assert ": one of part (model 1), part (model 2); " in out
+    assert "\n  part (model 1): from A/part.json\n  part (model 2): from B/part.json\n" in out
+    rows = [line for line in out.splitlines() if line.split()[1:3] == ["part", "(model"]]
+    assert [int(row.split()[3].rstrip(")")) - 1 for row in rows] == numbers
+    models = run(capsys, "models", *names)
+    assert "part (model 2): 6 faces" in models and "  from B/part.json\n" in models
+
+
+def test_a_model_given_twice_is_said_to_be(folder, capsys):
+    arguments = ("recognize", "bracket.json", "bracket.json", "--contacts", "touches.csv")
+    assert "bracket (model 2): from bracket.json; the same as model 1: " in run(capsys, *arguments)
+    document = json.loads(run(capsys, *arguments, "--json"))
+    numbers = [hypothesis["model_number"] for hypothesis in document["hypotheses"]]
+    assert numbers == sorted(numbers) and set(numbers) == {0, 1}
+
+
+@pytest.mark.parametrize("name", ["$5^{", "[red]", ":car:", "部品"])
+def test_any_name_is_drawn_and_printed_as_it_is(folder, capsys, name):
+    write_model("odd.json", BRACKET, name=name)
+    for extra in ((), ("--plot-range", "1")):
+        arguments = ("recognize", "odd.json", "--contacts", "touches.csv", "--plot", "found.svg", *extra)
+        assert f": it is {name}; " in run(capsys, *arguments)
+    assert f"{name}: 6 faces" in run(capsys, "models", "odd.json", "--plot", "odd.png")
+
+
+@pytest.mark.parametrize("extra", [(), ("--json",)])
+@pytest.mark.parametrize("command", ["recognize", "models", "demo"])
+def test_a_picture_that_fails_leaves_the_answer(folder, capsys, *, monkeypatch, command, extra):
+    def fail(figure, path):
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr("palpate.plots.save_figure", fail)
+    arguments = {"recognize": ["bracket.json", "--contacts", "touches.csv"], "models": ["boot"], "demo": []}
+    status = main([command, *arguments[command], "--plot", "x.svg", *extra])
+    out, err = capsys.readouterr()
+    assert (status, err) == (2, "palpate: x.svg: No space left on device\n")
+    assert json.loads(out) if extra else len(out.splitlines()) > 5
+
+
+def test_symmetries_are_in_order_and_many_are_summed_up(folder, capsys):
+    for sides, words in ((6, "turned by 60°, 120°, 180°, 240°, 300°"), (45, "multiples of 8°, 45 in a full")):
+        angles = np.linspace(0.0, 2.0 * math.pi, sides, endpoint=False)
+        write_model("disc.json", [[20 * math.cos(a), 20 * math.sin(a)] for a in angles])
+        assert words in run(capsys, "models", "disc.json")
+
+
+def test_many_untouchable_vertices_are_summed_up(folder, capsys):
+    angles = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
+    star = [
+        [(20 + 9 * (k % 2)) * math.cos(a), (20 + 9 * (k % 2)) * math.sin(a)] for k, a in enumerate(angles)
+    ]
+    write_model("star.json", star)
+    assert "can't be touched: 30 of them, 0, 2, 4, 6, 8 ... 58; --json" in run(capsys, "models", "star.json")
+
+
+def test_tiny_parts_keep_their_digits(folder, capsys):
+    write_model("tiny.json", [[1e-6 * x for x in point] for point in BRACKET])
+    out = run(capsys, "models", "tiny.json")
+    assert "0.0000800, 0.0000150" in out
+    Path("tiny.csv").write_text("x,y,nx,ny\n0.00003,0,0,-1\n0,0.00002,-1,0\n")
+    flags = ("--position-error", "5e-8", "--normal-error-deg", "1")
+    rows = run(capsys, "recognize", "tiny.json", "--contacts", "tiny.csv", *flags).splitlines()
+    shift = next(float(row.split()[-1]) for row in rows if row.split()[1:2] == ["tiny"])
+    assert 0.0 < shift < 1e-5
+
+
+def test_the_exit_code_is_documented(capsys):
+    assert "Exit code 0" in run(capsys, "recognize", "--help")

@@ -42,6 +42,11 @@ FILES = {
     "part.step": "",
 }
 
+
+def no_length(flag):
+    return f"Invalid value for '--{flag}': must be a length, zero or more, in the models' unit"
+
+
 RECOGNIZE = ["recognize", "square.json", "--contacts", "good.csv"]
 
 CASES = [
@@ -58,14 +63,27 @@ CASES = [
         [*RECOGNIZE, "--max-hypotheses", "many"],
         "Invalid value for '--max-hypotheses': must be a whole number (got 'many')",
     ),
-    ([*RECOGNIZE, "--max-hypotheses", "0"], "max_hypotheses: "),
-    ([*RECOGNIZE, "--list-interpretations", "-1"], "--list-interpretations: must be zero or more (got -1)"),
-    ([*RECOGNIZE, "--features", "faces"], "features: "),
-    ([*RECOGNIZE, "--features", ""], "features: "),
+    (
+        [*RECOGNIZE, "--max-hypotheses", "0"],
+        "Invalid value for '--max-hypotheses': must be a whole number from 1 to 1000000000 (got 0)",
+    ),
+    (
+        [*RECOGNIZE, "--list-interpretations", "-1"],
+        "Invalid value for '--list-interpretations': must be a whole number from 0 to 1000000 (got -1)",
+    ),
+    (
+        [*RECOGNIZE, "--list-interpretations", "9" * 20],
+        "Invalid value for '--list-interpretations': must be a whole number from 0 to 1000000 (got 99999",
+    ),
+    (
+        [*RECOGNIZE, "--features", "faces"],
+        "Invalid value for '--features': must be face, vertex or face,vertex (got 'faces')",
+    ),
+    ([*RECOGNIZE, "--features", ""], "Invalid value for '--features': must be face, vertex or face,vertex"),
     ([*RECOGNIZE, "--unit", "furlong"], "unit: unknown unit 'furlong'; give one of um, mm"),
-    ([*RECOGNIZE, "--prior-translation", "5"], "--prior-translation: there is no --prior-pose (got 5.0)"),
-    ([*RECOGNIZE, "--prior-rotation-deg", "5"], "--prior-rotation-deg: there is no --prior-pose (got 5.0)"),
-    ([*RECOGNIZE, "--prior-pose", "0,0,0"], "--prior-translation: must be given with --prior-pose"),
+    ([*RECOGNIZE, "--prior-translation", "5"], "--prior-translation 5: must be given with --prior-pose; "),
+    ([*RECOGNIZE, "--prior-rotation-deg", "5"], "--prior-rotation-deg 5: must be given with --prior-pose; "),
+    ([*RECOGNIZE, "--prior-pose", "0,0,0"], "--prior-pose: must be given with --prior-translation; "),
     (
         [*RECOGNIZE, "--prior-pose", "0,0", "--prior-translation", "5"],
         "--prior-pose: must be three numbers (got '0,0')",
@@ -74,10 +92,13 @@ CASES = [
         [*RECOGNIZE, "--prior-pose", "0,0,nan", "--prior-translation", "5"],
         "--prior-pose: must be three numbers",
     ),
-    ([*RECOGNIZE, "--prior-pose", "0,0,0", "--prior-translation", "-5"], "translation: "),
     (
-        [*RECOGNIZE, "--prior-pose", "0,0,0", "--prior-translation", "5", "--prior-rotation-deg", "200"],
-        "rotation: ",
+        [*RECOGNIZE, "--prior-pose", "0,0,0", "--prior-translation", "-5"],
+        f"{no_length('prior-translation')} (got -5)",
+    ),
+    (
+        [*RECOGNIZE, "--prior-pose", "0,0,0", "--prior-translation", "5", "--prior-rotation-deg", "400"],
+        "Invalid value for '--prior-rotation-deg': must be an angle in degrees, from 0 to 180 (got 400)",
     ),
     (
         [*RECOGNIZE, "--plot", "found.gif"],
@@ -87,12 +108,11 @@ CASES = [
         [*RECOGNIZE, "--plot", "nowhere/found.svg"],
         "nowhere/found.svg: there is no folder nowhere; make it first",
     ),
-    ([*RECOGNIZE, "--plot-range", "1"], "--plot-range: there is no --plot"),
-    ([*RECOGNIZE, "--plot", "found.svg", "--plot-range", "99"], "--plot-range: no such hypothesis (got 99)"),
+    ([*RECOGNIZE, "--plot-range", "1"], "--plot-range 1: must be given with --plot; name the file"),
     (["recognize", "pear", "--contacts", "good.csv"], "pear: no such file or folder"),
     (["recognize", "part.step", "--contacts", "good.csv"], "part.step: unknown suffix '.step'"),
     (["recognize", "crossed.json", "--contacts", "good.csv"], "crossed.json: "),
-    (["recognize", "other.json", "--contacts", "good.csv"], "other.json: name: None is not text"),
+    (["recognize", "other.json", "--contacts", "good.csv"], "other.json: name: "),
     (["recognize", "square.json", "--contacts", "none.csv"], "none.csv: No such file or directory"),
     (["recognize", "square.json", "--contacts", "."], ".: is a folder"),
     (["recognize", "square.json", "--contacts", "touches.txt"], "touches.txt: suffix '.txt' is not known"),
@@ -101,15 +121,15 @@ CASES = [
     (["recognize", "square.json", "--contacts", "bare.csv"], "bare.csv, line 2, position_error: absent"),
     (
         ["recognize", "square.json", "--contacts", "bare.csv", "--position-error", "-1"],
-        "bare.csv, line 2: position_error: ",
+        f"{no_length('position-error')} (got -1)",
     ),
     (
         ["recognize", "square.json", "--contacts", "bare.csv", "--position-error", "nan"],
-        "bare.csv, line 2: position_error: ",
+        f"{no_length('position-error')} (got nan)",
     ),
     (
         ["recognize", "square.json", "--contacts", "bare.csv", "--position-error", "1", "--tip-radius", "-1"],
-        "bare.csv, line 2: tip_radius: ",
+        f"{no_length('tip-radius')} (got -1)",
     ),
     (
         ["recognize", "square.json", "--contacts", "no-bound.csv"],
@@ -117,7 +137,7 @@ CASES = [
     ),
     (
         ["recognize", "square.json", "--contacts", "no-bound.csv", "--normal-error-deg", "95"],
-        "no-bound.csv, line 2: normal_error: ",
+        "Invalid value for '--normal-error-deg': must be an angle in degrees, from 0 to 90 (got 95)",
     ),
     (
         ["recognize", "square.json", "--contacts", "letters.csv"],
@@ -136,7 +156,10 @@ CASES = [
     (["models", "boot", "--plot", "boot"], "boot: pictures can't be saved as ''"),
     (["demo", "--part", "teapot"], "part: no such bundled part (got 'teapot')"),
     (["demo", "--seed", "x"], "Invalid value for '--seed': must be a whole number (got 'x')"),
-    (["demo", "--seed", "-1"], "seed: "),
+    (
+        ["demo", "--seed", "-1"],
+        "Invalid value for '--seed': must be a whole number, 0 or more (got -1)",
+    ),
     (["demo", "--out", "demo.txt"], "demo.txt: pictures can't be saved as '.txt'"),
 ]
 
@@ -180,3 +203,31 @@ def test_a_file_that_can_t_be_read(folder, capsys):
     Path("locked.csv").symlink_to("locked.csv")  # a loop: unreadable for everyone, an administrator included
     assert main(["recognize", "square.json", "--contacts", "locked.csv"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_hypothesis_that_is_not_there_is_not_drawn_but_the_answer_is_given(folder, capsys):
+    assert main([*RECOGNIZE, "--plot", "found.svg", "--plot-range", "99"]) == 2
+    out, err = capsys.readouterr()
+    assert out.startswith("2 contacts, 1 model: it is square; ")
+    assert err == "palpate: --plot-range 99: no such hypothesis; give a number from 1 to 1\n"
+    assert not Path("found.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("closed", "arguments", "err"),
+    [
+        (
+            ">&-",
+            ["models", "square.json"],
+            "palpate: standard output is closed; leave it open, or send it to a file\n",
+        ),
+        ("2>&-", ["models", "pear"], ""),
+        (">&- 2>&-", ["models", "square.json"], ""),
+        (">/dev/full", ["models", "square.json"], "palpate: No space left on device\n"),
+        (">/dev/full", ["models", "square.json", "--json"], "palpate: No space left on device\n"),
+    ],
+)
+def test_nowhere_to_write_is_no_fault_of_ours(folder, closed, *, arguments, err):
+    command = " ".join([sys.executable, "-m", "palpate.cli", *arguments, closed])
+    shown = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
+    assert (shown.returncode, shown.stdout, shown.stderr) == (2, "", err)

@@ -9,27 +9,41 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from typer.exceptions import Abort, TyperException
-
-from palpate.cli.app import app
-from palpate.cli.console import PROGRAM, complain
+if TYPE_CHECKING:
+    from palpate.cli.app import app as app
 
 BAD_INPUT = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 BROKEN_PIPE = 141  # 128 + SIGPIPE
 
-__all__ = ["app", "main"]
-
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line with `arguments`, the process's own by default; returns the exit code."""
     try:
+        return _run(arguments)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    # Imported here, so that an interrupt while they load, which takes a while, is heard by `main`.
+    from typer.exceptions import Abort, TyperException
+
+    from palpate.cli.app import app
+    from palpate.cli.console import PROGRAM, complain
+
+    # None if the process was started with its stdout closed. The type of it doesn't say so.
+    if getattr(sys, "stdout", None) is None:
+        complain("standard output is closed; leave it open, or send it to a file")
+        return BAD_INPUT
+    try:
         status = app(args=arguments, prog_name=PROGRAM, standalone_mode=False)
         sys.stdout.flush()
     except BrokenPipeError:
-        # The reader has gone, as in `palpate ... | head`. Python would complain when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # The reader has gone, as in `palpate ... | head`.
+        _write_no_more()
         return BROKEN_PIPE
     except TyperException as error:
         complain(error.format_message())
@@ -37,10 +51,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         problem = error.strerror or str(error)
         complain(f"{error.filename}: {problem}" if error.filename else problem)
+        _write_no_more()
         return BAD_INPUT
     except ValueError as error:
         complain(str(error))
         return BAD_INPUT
-    except (KeyboardInterrupt, Abort):
+    except Abort:
         return INTERRUPTED
     return status if isinstance(status, int) else 0
+
+
+def _write_no_more() -> None:
+    """Python would write what is left when it ends, and complain that it can't."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

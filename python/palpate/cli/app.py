@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
 import palpate
 from palpate.cli.console import PROGRAM
@@ -12,8 +13,28 @@ from palpate.cli.demo import demo
 from palpate.cli.models import models
 from palpate.cli.recognize import recognize
 
+
+class _HelpIsAFlag:
+    """Lists `--help` as the flag that it is, without a type."""
+
+    def get_help_option(self, ctx: Any) -> Any:
+        option = super().get_help_option(ctx)  # type: ignore[misc]
+        if option is not None:
+            option.metavar = ""
+        return option
+
+
+class _Command(_HelpIsAFlag, TyperCommand):
+    """A command."""
+
+
+class _Group(_HelpIsAFlag, TyperGroup):
+    """The commands by name."""
+
+
 app = typer.Typer(
     name=PROGRAM,
+    cls=_Group,
     help="Recognize and localize a known part by touch: every part and pose that explains a few contacts.",
     epilog="Example: palpate demo",
     add_completion=False,
@@ -21,11 +42,11 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 
-app.command(epilog="Example: palpate demo --part boot --seed 3 --out boot.svg")(demo)
-app.command(epilog="Example: palpate recognize boot parts/ --contacts touches.csv --plot found.svg")(
-    recognize
-)
-app.command(epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
+app.command(cls=_Command, epilog="Example: palpate demo --part boot --seed 3 --plot boot.svg")(demo)
+app.command(
+    cls=_Command, epilog="Example: palpate recognize boot parts/ --contacts touches.csv --plot found.svg"
+)(recognize)
+app.command(cls=_Command, epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
 
 
 def _print_version(wanted: bool) -> None:
@@ -41,7 +62,13 @@ def without_command(
     *,
     version: Annotated[
         bool,
-        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit."),
+        typer.Option(
+            "--version",
+            callback=_print_version,
+            is_eager=True,
+            metavar="",
+            help="Print the version and exit.",
+        ),
     ] = False,
 ) -> None:
     """Print the help if there is no command."""

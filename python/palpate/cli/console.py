@@ -20,16 +20,17 @@ def results() -> Console:
     """For results: stdout. In colour on a terminal, plain text and never wrapped elsewhere."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a ° that an old terminal can't show is no reason to fail
-    console = Console(highlight=False)
+    console = Console(highlight=False, emoji=False)  # a part may be called :car:
     if not console.is_terminal:
         console.width = 110
     return console
 
 
 def complain(message: str) -> None:
-    """One line on stderr."""
+    """One line on stderr, if there is one."""
     line = " ".join(message.split())
-    sys.stderr.write(f"{PROGRAM}: {line}\n")
+    if getattr(sys, "stderr", None) is not None:  # None if the process was started with it closed
+        sys.stderr.write(f"{PROGRAM}: {line}\n")
 
 
 def patiently(work: Callable[[], Result], *, saying: str) -> Result:

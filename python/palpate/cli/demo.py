@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 from rich.markup import escape
 
 from palpate import Contact
@@ -24,12 +25,12 @@ def demo(
     seed: Annotated[
         int,
         typer.Option(
-            parser=options.whole, metavar="N", help="Chooses its pose and the errors of the contacts."
+            parser=options.whole(), metavar="N", help="Chooses its pose and the errors of the contacts."
         ),
     ] = 0,
-    out: Annotated[Path, typer.Option(metavar="FILE", help="The picture: .svg, .png or .pdf.")] = Path(
-        "palpate-demo.svg"
-    ),
+    out: Annotated[
+        Path, typer.Option("--plot", "--out", metavar="FILE", help="The picture: .svg, .png or .pdf.")
+    ] = Path("palpate-demo.svg"),
     json: options.Json = False,
 ) -> None:
     """Touch a bundled part twice, find every part and pose that explains it, draw the answer."""
@@ -38,17 +39,20 @@ def demo(
 
     check_picture_path(out)
     shown = patiently(lambda: demonstrate(part, seed=seed), saying="recognizing")
-    save_figure(plot_recognition(shown.found, shown.contacts, unit=shown.unit), out)
+    console = results()
     if json:
         print_document(_document(shown, out))
     else:
-        _print(shown, out)
+        _print(console, shown)
+    console.file.flush()
+    save_figure(plot_recognition(shown.found, shown.contacts, unit=shown.unit), out)
+    if not json:
+        console.print(f"picture: {out}", markup=False)
     if shown.truth_number is None:
         raise typer.Exit(1)
 
 
-def _print(shown: Demonstration, out: Path) -> None:
-    console = results()
+def _print(console: Console, shown: Demonstration) -> None:
     x, y, angle_deg = planar(shown.world_from_truth)
     at = f"x {x:.2f}, y {y:.2f} {shown.unit}, turned by {angle_deg:.2f}°"
     console.print(
@@ -60,7 +64,7 @@ def _print(shown: Demonstration, out: Path) -> None:
         console,
         shown.found,
         evidence=Evidence(shown.contacts),
-        num_models=len(shown.models),
+        labels=[model.name for model in shown.models],
         unit=shown.unit,
     )
     if shown.truth_number is None:
@@ -69,7 +73,6 @@ def _print(shown: Demonstration, out: Path) -> None:
         )
     else:
         console.print(f"The true part and pose are in hypothesis {shown.truth_number}.")
-    console.print(f"picture: {out}", markup=False)
 
 
 def _touch(contact: Contact, *, unit: str) -> str:

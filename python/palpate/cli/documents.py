@@ -30,6 +30,11 @@ def excursion_bound(hypothesis: Hypothesis) -> float:
     return max(hypothesis.poses.excursion(vertex) for vertex in hypothesis.model.vertices)
 
 
+def hypothesis_count(found: Recognition) -> int:
+    """How many were found: more than are returned, where there are more than were asked for."""
+    return sum(counters["hypotheses"] for counters in found.counters)
+
+
 def recognition_document(
     found: Recognition,
     models: Sequence[Model],
@@ -45,12 +50,14 @@ def recognition_document(
         "version": 1,
         "unit": unit,
         "models": [model.name for model in models],
+        "readings": [_reading(model) for model in models],
         "contact_count": num_contacts,
         "complete": found.complete,
+        "hypothesis_count": hypothesis_count(found),
         "interpretation_count": found.interpretation_count,
         "interpretation_count_exact": found.interpretation_count_exact,
         "conflict": found.conflict,
-        "hypotheses": [_hypothesis(h, models, num_listed=num_listed) for h in found.hypotheses],
+        "hypotheses": [_hypothesis(h, num_listed=num_listed) for h in found.hypotheses],
     }
     if stats:
         document["counters"] = [dict(counters) for counters in found.counters]
@@ -67,11 +74,20 @@ def models_document(models: Sequence[Model], *, unit: str) -> dict[str, Any]:
     }
 
 
-def _hypothesis(hypothesis: Hypothesis, models: Sequence[Model], *, num_listed: int) -> dict[str, Any]:
+def _reading(model: Model) -> dict[str, Any]:
+    """What reading a model changed, and what that costs."""
+    return {
+        "position_slack": model.position_slack,
+        "normal_slack_deg": math.degrees(model.normal_slack),
+        "mends": list(model.mends),
+    }
+
+
+def _hypothesis(hypothesis: Hypothesis, *, num_listed: int) -> dict[str, Any]:
     x, y, angle_deg = planar(hypothesis.world_from_model)
     document: dict[str, Any] = {
         "model": hypothesis.model.name,
-        "model_number": list(models).index(hypothesis.model),
+        "model_number": hypothesis.model_number,
         "marginal": hypothesis.marginal,
         "interpretation_count": hypothesis.interpretation_count,
         "interpretation_count_exact": hypothesis.interpretation_count_exact,
@@ -110,12 +126,10 @@ def _model(model: Model) -> dict[str, Any]:
         "dimension": model.dimension,
         "closed": model.closed,
         "size": model.size,
-        "position_slack": model.position_slack,
-        "normal_slack_deg": math.degrees(model.normal_slack),
         "faces": faces,
         "vertices": vertices,
         "symmetries": _rows(model.symmetries),
-        "mends": list(model.mends),
+        **_reading(model),
     }
 
 

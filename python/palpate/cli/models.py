@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from palpate import load_models
 from palpate.cli import options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import models_document, print_document
+from palpate.cli.parts import load_parts
 from palpate.cli.report import print_models
 
 
@@ -21,15 +21,17 @@ def models(
         from palpate.plots.style import check_picture_path
 
         check_picture_path(plot)
-    parts = patiently(lambda: load_models(models, unit=unit), saying="reading models")
+    parts = patiently(lambda: load_parts(models, unit=unit), saying="reading models")
+    console = results()
+    if json:
+        print_document(models_document(parts.models, unit=unit))
+    else:
+        print_models(console, parts, unit=unit)
     if plot is not None:
+        # After what was read is printed: a picture that fails takes nothing with it.
         from palpate.plots import plot_models, save_figure
 
-        save_figure(plot_models(parts, unit=unit), plot)
-    if json:
-        print_document(models_document(parts, unit=unit))
-        return
-    console = results()
-    print_models(console, parts, unit=unit)
-    if plot is not None:
-        console.print(f"picture: {plot}", markup=False)
+        console.file.flush()
+        save_figure(plot_models(parts.models, unit=unit), plot)
+        if not json:
+            console.print(f"picture: {plot}", markup=False)

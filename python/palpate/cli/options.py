@@ -2,26 +2,59 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-
-def real(text: str | float) -> float:
-    """A number; whether it is sensible is decided where it is used."""
-    try:
-        return float(text)
-    except ValueError:
-        raise typer.BadParameter(f"must be a number (got {text!r})") from None
+MOST_LISTED = 1_000_000
+MOST_HYPOTHESES = 1_000_000_000
 
 
-def whole(text: str | int) -> int:
-    """A whole number; whether it is sensible is decided where it is used."""
-    try:
-        return int(text)
-    except ValueError:
-        raise typer.BadParameter(f"must be a whole number (got {text!r})") from None
+def number(low: float, high: float, meaning: str) -> Callable[[str | float], float]:
+    """A parser of numbers from `low` to `high`; a message has the flag's name and what was typed."""
+
+    def parse(text: str | float) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            raise typer.BadParameter(f"must be a number (got {text!r})") from None
+        if not (math.isfinite(value) and low <= value <= high):
+            raise typer.BadParameter(f"must be {meaning} (got {text})")
+        return value
+
+    return parse
+
+
+def whole(least: int = 0, most: int | None = None) -> Callable[[str | int], int]:
+    """A parser of whole numbers from `least` to `most`."""
+    meaning = f", {least} or more" if most is None else f" from {least} to {most}"
+
+    def parse(text: str | int) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            raise typer.BadParameter(f"must be a whole number (got {text!r})") from None
+        if value < least or (most is not None and value > most):
+            raise typer.BadParameter(f"must be a whole number{meaning} (got {text})")
+        return value
+
+    return parse
+
+
+length = number(0.0, math.inf, "a length, zero or more, in the models' unit")
+direction_error_deg = number(0.0, 90.0, "an angle in degrees, from 0 to 90")
+rotation_deg = number(0.0, 180.0, "an angle in degrees, from 0 to 180")
+
+
+def kinds(text: str) -> str:
+    """Kinds of features, separated by commas: `face,vertex`."""
+    names = [name.strip() for name in text.split(",")]
+    if any(name not in ("face", "vertex") for name in names):
+        raise typer.BadParameter(f"must be face, vertex or face,vertex (got {text!r})")
+    return ",".join(names)
 
 
 Models = Annotated[
@@ -34,7 +67,7 @@ ContactsFile = Annotated[
 PositionError = Annotated[
     float | None,
     typer.Option(
-        parser=real,
+        parser=length,
         metavar="LENGTH",
         help="Bound on the position error of contacts whose own is not in the file.",
         rich_help_panel="Sensor",
@@ -43,13 +76,16 @@ PositionError = Annotated[
 NormalErrorDeg = Annotated[
     float | None,
     typer.Option(
-        parser=real, metavar="DEG", help="The same for the error of their normals.", rich_help_panel="Sensor"
+        parser=direction_error_deg,
+        metavar="DEG",
+        help="The same for the error of their normals.",
+        rich_help_panel="Sensor",
     ),
 ]
 TipRadius = Annotated[
     float | None,
     typer.Option(
-        parser=real,
+        parser=length,
         metavar="LENGTH",
         help="The same for the radius of the tip; else 0.",
         rich_help_panel="Sensor",
@@ -58,7 +94,7 @@ TipRadius = Annotated[
 PathError = Annotated[
     float | None,
     typer.Option(
-        parser=real,
+        parser=length,
         metavar="LENGTH",
         help="How far the tip may leave its line in a miss; else its position error.",
         rich_help_panel="Sensor",
@@ -71,7 +107,7 @@ PriorPose = Annotated[
 PriorTranslation = Annotated[
     float | None,
     typer.Option(
-        parser=real,
+        parser=length,
         metavar="LENGTH",
         help="x and y are within this of the prior pose.",
         rich_help_panel="Prior",
@@ -80,7 +116,7 @@ PriorTranslation = Annotated[
 PriorRotationDeg = Annotated[
     float | None,
     typer.Option(
-        parser=real,
+        parser=rotation_deg,
         metavar="DEG",
         help="The rotation is within this of it; else free.",
         rich_help_panel="Prior",
@@ -89,6 +125,7 @@ PriorRotationDeg = Annotated[
 Features = Annotated[
     str | None,
     typer.Option(
+        parser=kinds,
         metavar="LIST",
         help="What may be touched: face, vertex or face,vertex. Else faces; both if a tip has a radius.",
     ),
@@ -96,11 +133,17 @@ Features = Annotated[
 MaxHypotheses = Annotated[
     int | None,
     typer.Option(
-        parser=whole, metavar="N", help="Stop at so many hypotheses, and say so.", show_default=False
+        parser=whole(1, MOST_HYPOTHESES),
+        metavar="N",
+        help="Return at most so many hypotheses, and say if there are more.",
+        show_default=False,
     ),
 ]
 ListInterpretations = Annotated[
-    int, typer.Option(parser=whole, metavar="N", help="List up to N interpretations of each hypothesis.")
+    int,
+    typer.Option(
+        parser=whole(0, MOST_LISTED), metavar="N", help="List up to N interpretations of each hypothesis."
+    ),
 ]
 Unit = Annotated[
     str, typer.Option(help="Unit of the models: um, mm, cm, m, in or ft. Files in another are converted.")
@@ -109,8 +152,8 @@ Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="Draw a picture:
 PlotRange = Annotated[
     int | None,
     typer.Option(
-        parser=whole, metavar="K", help="Draw the range of poses of hypothesis K alone, not all of them."
+        parser=whole(1), metavar="K", help="Draw the range of poses of hypothesis K alone, not all of them."
     ),
 ]
-Stats = Annotated[bool, typer.Option("--stats", help="Show what the search did.")]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
+Stats = Annotated[bool, typer.Option("--stats", metavar="", help="Show what the search did.")]
+Json = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON, for machines.")]

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate import Prior, Recognition, load_models
+from palpate import Prior, Recognition
 from palpate import recognize as recognize_parts
 from palpate.cli import options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import print_document, recognition_document
+from palpate.cli.parts import Parts, load_parts, part_notes
 from palpate.cli.report import print_counters, print_recognition
 from palpate.contacts import Evidence, read_contacts
 
@@ -40,14 +41,11 @@ def recognize(
     """Every part and pose that explains the contacts, with bounds.
 
     What the contact file says goes before the flags of the sensor; a prior given here goes before the file's.
+
+    Exit code 0: there is an answer, also where it is that nothing explains the contacts; 2: bad input.
     """
     _check_plot(plot, plot_range)
-    if list_interpretations < 0:
-        remedy = "give how many to list of each hypothesis"
-        raise ValueError(
-            f"--list-interpretations: must be zero or more (got {list_interpretations}); {remedy}"
-        )
-    parts = load_models(models, unit=unit)
+    parts = load_parts(models, unit=unit)
     evidence = read_contacts(
         contacts,
         unit=unit,
@@ -60,35 +58,43 @@ def recognize(
         _prior(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg) or evidence.prior
     )
     limit = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
-    kinds = None if features is None else tuple(kind.strip() for kind in features.split(","))
+    kinds = None if features is None else tuple(features.split(","))
     found = patiently(
         lambda: recognize_parts(
-            parts, evidence.contacts, features=kinds, misses=evidence.misses, prior=prior, **limit
+            parts.models, evidence.contacts, features=kinds, misses=evidence.misses, prior=prior, **limit
         ),
         saying="recognizing",
     )
-    num_contacts = len(evidence.contacts)
-    if plot is not None:
-        _draw(found, evidence, plot, number=plot_range, unit=unit)
-    if json:
-        document = recognition_document(
-            found, parts, num_contacts=num_contacts, unit=unit, num_listed=list_interpretations, stats=stats
-        )
-        print_document(document)
-        return
     console = results()
-    print_recognition(
-        console,
-        found,
-        evidence=replace(evidence, prior=prior),
-        num_models=len(parts),
-        unit=unit,
-        num_listed=list_interpretations,
-    )
-    if stats:
-        print_counters(console, found, parts)
+    if json:
+        print_document(
+            recognition_document(
+                found,
+                parts.models,
+                num_contacts=len(evidence.contacts),
+                unit=unit,
+                num_listed=list_interpretations,
+                stats=stats,
+            )
+        )
+    else:
+        print_recognition(
+            console,
+            found,
+            evidence=replace(evidence, prior=prior),
+            labels=parts.labels,
+            notes=part_notes(parts, unit=unit),
+            unit=unit,
+            num_listed=list_interpretations,
+        )
+        if stats:
+            print_counters(console, found, parts.labels)
     if plot is not None:
-        console.print(f"picture: {plot}", markup=False)
+        # After the answer: a picture that fails doesn't take it along.
+        console.file.flush()
+        _draw(found, evidence, parts, path=plot, number=plot_range, unit=unit)
+        if not json:
+            console.print(f"picture: {plot}", markup=False)
 
 
 def _check_plot(plot: Path | None, plot_range: int | None) -> None:
@@ -98,23 +104,26 @@ def _check_plot(plot: Path | None, plot_range: int | None) -> None:
 
         check_picture_path(plot)
     elif plot_range is not None:
-        raise ValueError("--plot-range: there is no --plot (got None); say which file to draw it to")
+        raise ValueError(f"--plot-range {plot_range}: must be given with --plot; name the file to draw to")
 
 
-def _draw(found: Recognition, evidence: Evidence, path: Path, *, number: int | None, unit: str) -> None:
+def _draw(
+    found: Recognition, evidence: Evidence, parts: Parts, *, path: Path, number: int | None, unit: str
+) -> None:
     # Loading matplotlib takes longer than most recognitions: only when a picture is wanted.
     from palpate.plots import plot_pose_range, plot_recognition, save_figure
 
     if number is None:
-        figure = plot_recognition(found, evidence.contacts, misses=evidence.misses, unit=unit)
+        figure = plot_recognition(
+            found, evidence.contacts, misses=evidence.misses, unit=unit, part_names=parts.labels
+        )
     elif 1 <= number <= len(found.hypotheses):
         hypothesis = found.hypotheses[number - 1]
         figure = plot_pose_range(hypothesis, evidence.contacts, misses=evidence.misses, unit=unit)
     else:
         count = len(found.hypotheses)
-        raise ValueError(
-            f"--plot-range: no such hypothesis (got {number}); there are {count}, counted from 1"
-        )
+        has = f"give a number from 1 to {count}" if count else "there is none to draw; leave it out"
+        raise ValueError(f"--plot-range {number}: no such hypothesis; {has}")
     save_figure(figure, path)
 
 
@@ -123,11 +132,11 @@ def _prior(pose: str | None, *, translation: float | None, rotation_deg: float |
     if pose is None:
         for flag, value in (("--prior-translation", translation), ("--prior-rotation-deg", rotation_deg)):
             if value is not None:
-                raise ValueError(f"{flag}: there is no --prior-pose (got {value}); give it as X,Y,DEG")
+                raise ValueError(f"{flag} {value:g}: must be given with --prior-pose; give it as X,Y,DEG")
         return None
     if translation is None:
         raise ValueError(
-            "--prior-translation: must be given with --prior-pose (got None); give it as a length"
+            "--prior-pose: must be given with --prior-translation; say how far x and y may be from it"
         )
     half_turn_deg = 180.0
     rotation = math.radians(half_turn_deg if rotation_deg is None else rotation_deg)

@@ -14,10 +14,17 @@ from rich.markup import escape
 from rich.table import Table
 
 from palpate import Hypothesis, Model, Recognition
-from palpate.cli.documents import excursion_bound, planar
+from palpate.cli.documents import excursion_bound, hypothesis_count, planar
+from palpate.cli.parts import Parts, slack_words
 from palpate.contacts import Evidence
 
 MOST_ROWS = 40
+MOST_IN_LINE = 8  # numbers that are listed one by one
+
+USUAL_CAUSES = (
+    "Usual causes: bounds that are too small, another unit, degrees taken for radians or the reverse, "
+    "normals that point into the part, a part that is not among the models."
+)
 
 
 def print_recognition(
@@ -25,22 +32,29 @@ def print_recognition(
     found: Recognition,
     *,
     evidence: Evidence,
-    num_models: int,
+    labels: Sequence[str],
+    notes: Sequence[str] = (),
     unit: str,
     num_listed: int = 0,
 ) -> None:
-    """What was found: a sentence, a table of hypotheses, and what the reader must know to trust it."""
-    given = f"{_count(len(evidence.contacts), 'contact')}, {_count(num_models, 'model')}"
-    console.print(f"{given}: {_verdict(found)}")
+    """What was found: a sentence, a table of hypotheses, and what the reader must know to trust it.
+
+    `labels` are names of the models that tell them apart, `notes` what is to be known of them.
+    """
+    given = f"{_count(len(evidence.contacts), 'contact')}, {_count(len(labels), 'model')}"
+    console.print(f"{given}: {_verdict(found, labels)}")
+    for note in notes:
+        console.print(f"  {note}", markup=False, soft_wrap=True)
     if not found.complete:
         console.print(
             "Other parts or poses may explain the contacts: raise --max-hypotheses, or give a prior."
         )
     if not found.hypotheses:
         if found.conflict is not None:
-            console.print(conflict_sentence(found.conflict, evidence))
+            console.print(conflict_sentence(found.conflict, evidence), markup=False, soft_wrap=True)
+            console.print(USUAL_CAUSES, soft_wrap=True)
         return
-    console.print(_hypothesis_table(found.hypotheses[:MOST_ROWS]))
+    console.print(_hypothesis_table(found.hypotheses[:MOST_ROWS], labels))
     if len(found.hypotheses) > MOST_ROWS:
         console.print(f"... and {len(found.hypotheses) - MOST_ROWS} more; --json lists all of them.")
     console.print(
@@ -50,35 +64,42 @@ def print_recognition(
     if any(hypothesis.marginal for hypothesis in found.hypotheses):
         console.print("* marginal: holds only within the tolerance of the search.")
     for number, hypothesis in enumerate(found.hypotheses[: MOST_ROWS if num_listed else 0], start=1):
-        _print_interpretations(console, hypothesis, number=number, num_listed=num_listed)
+        label = labels[hypothesis.model_number]
+        console.print(f"interpretations of {number}, {escape(label)}:")
+        _print_interpretations(console, hypothesis, num_listed=num_listed)
 
 
-def print_counters(console: Console, found: Recognition, models: Sequence[Model]) -> None:
+def print_counters(console: Console, found: Recognition, labels: Sequence[str]) -> None:
     """What the search did, model by model."""
     table = Table(box=box.SIMPLE_HEAD, title="search", title_justify="left")
     table.add_column("")
-    for model in models:
-        table.add_column(escape(model.name), justify="right")
+    for label in labels:
+        table.add_column(escape(label), justify="right")
     for name in found.counters[0]:
         table.add_row(name.replace("_", " "), *(str(counters[name]) for counters in found.counters))
     console.print(table)
 
 
-def print_models(console: Console, models: Sequence[Model], *, unit: str) -> None:
-    """What was read of each model."""
-    for model in models:
+def print_models(console: Console, parts: Parts, *, unit: str) -> None:
+    """What was read of each model; what was changed in reading comes first."""
+    for number, (model, label) in enumerate(zip(parts.models, parts.labels, strict=True), start=1):
         kind = "closed" if model.closed else "open"
         counts = f"{_count(len(model.faces), 'face')}, {_count(len(model.vertices), 'vertex')}"
-        console.print(f"[bold]{escape(model.name)}[/bold]: {counts}, {kind}, size {model.size:.6g} {unit}")
-        console.print(f"  symmetries: {_symmetries(model)}")
-        if model.position_slack or model.normal_slack:
-            slack = f"{model.position_slack:.4g} {unit} and {math.degrees(model.normal_slack):.4g}°"
-            console.print(f"  slack of the outline: {slack}, added to the errors of every contact")
-        reflex = [str(index) for index, touchable in enumerate(model.touchable_vertices) if not touchable]
-        if reflex:
-            console.print(f"  vertices that can't be touched: {', '.join(reflex)}")
+        console.print(f"[bold]{escape(label)}[/bold]: {counts}, {kind}, size {model.size:.6g} {unit}")
         for mend in model.mends:
-            console.print(f"  mended: {escape(mend)}")
+            console.print(f"  mended: {mend}", markup=False, soft_wrap=True)
+        if label != model.name:
+            console.print(f"  from {parts.sources[number - 1]}", markup=False)
+        first = 1 + parts.models.index(model)
+        if first != number:
+            console.print(f"  the same as model {first}")
+        if model.position_slack or model.normal_slack:
+            slack = slack_words(model, unit=unit)
+            console.print(f"  slack of the outline: {slack}, added to the errors of every contact")
+        console.print(f"  symmetries: {_symmetries(model)}")
+        untouchable = [k for k, touchable in enumerate(model.touchable_vertices) if not touchable]
+        if untouchable:
+            console.print(f"  vertices that can't be touched: {_numbers(untouchable)}")
         console.print(_face_table(model, unit=unit))
         if len(model.faces) > MOST_ROWS:
             console.print(f"  ... and {len(model.faces) - MOST_ROWS} more faces; --json lists all of them.")
@@ -92,52 +113,69 @@ def conflict_sentence(conflict: Sequence[int], evidence: Evidence) -> str:
         if there
     ]
     given = f" given {' and '.join(beside)}" if beside else ""
+    at = _places([evidence.places[index] for index in conflict] if evidence.places else [])
     numbers = [str(index + 1) for index in conflict]
-    if not numbers:
-        return f"No model at any pose is possible{given}, whatever was touched."
     if len(numbers) == 1:
-        return f"Contact {numbers[0]} can't hold on any model{given}, even alone."
-    which = ", ".join(numbers[:-1]) + " and " + numbers[-1]
+        return f"Contact {numbers[0]}{at} can't hold on any model{given}, even alone."
     rest = "" if len(numbers) == len(evidence.contacts) else "; the others are not needed for that"
-    return f"Contacts {which} can't hold together on any model{given}{rest}."
+    return f"Contacts {_words(numbers)}{at} can't hold together on any model{given}{rest}."
 
 
-def _verdict(found: Recognition) -> str:
-    parts = list(dict.fromkeys(hypothesis.model.name for hypothesis in found.hypotheses))
+def _places(places: Sequence[str]) -> str:
+    """Where contacts are in their file, which counts comments, blank lines and misses too."""
+    if not places:
+        return ""
+    if all(place.startswith("line ") for place in places):
+        lines = [place.removeprefix("line ") for place in places]
+        return f" (line{'' if len(lines) == 1 else 's'} {_words(lines)} of the file)"
+    return f" ({_words(places)} of the file)"
+
+
+def _words(items: Sequence[str]) -> str:
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
+
+
+def _verdict(found: Recognition, labels: Sequence[str]) -> str:
+    numbers = list(dict.fromkeys(hypothesis.model_number for hypothesis in found.hypotheses))
+    parts = [escape(labels[number]) for number in numbers]
     interpretations = _at_least(found.interpretation_count, found.interpretation_count_exact)
     counts = f"{_count(len(found.hypotheses), 'hypothesis')}, {interpretations} in all"
     if not found.complete:
-        return f"[bold]not all hypotheses were found[/bold]; {counts} so far."
+        number = hypothesis_count(found)
+        listed = len(found.hypotheses)
+        reached = f"{_count(number, 'hypothesis')} reached"
+        shown = "" if number == listed else f", the first {listed} listed"
+        return f"[bold]not all hypotheses were found[/bold]; {reached}{shown}, {interpretations}."
     if not parts:
         return "[bold]no part at any pose explains them.[/bold]"
     if len(parts) == 1:
-        return f"it is [bold]{escape(parts[0])}[/bold]; {counts}."
-    return f"one of {escape(', '.join(parts))}; {counts}."
+        return f"it is [bold]{parts[0]}[/bold]; {counts}."
+    return f"one of {', '.join(parts)}; {counts}."
 
 
-def _hypothesis_table(hypotheses: Sequence[Hypothesis]) -> Table:
+def _hypothesis_table(hypotheses: Sequence[Hypothesis], labels: Sequence[str]) -> Table:
     table = Table(box=box.SIMPLE_HEAD)
     table.add_column("#", justify="right")
     table.add_column("part", style="bold")
     for head in ("interpr.", "x", "y", "angle", "turn ≤", "shift ≤"):
         table.add_column(head, justify="right")
+    size = min(hypothesis.model.size for hypothesis in hypotheses)
     for number, hypothesis in enumerate(hypotheses, start=1):
         x, y, angle_deg = planar(hypothesis.world_from_model)
         table.add_row(
             str(number),
-            escape(hypothesis.model.name) + (" *" if hypothesis.marginal else ""),
+            escape(labels[hypothesis.model_number]) + (" *" if hypothesis.marginal else ""),
             _at_least_number(hypothesis.interpretation_count, hypothesis.interpretation_count_exact),
-            _decimal(x),
-            _decimal(y),
+            _decimal(x, size),
+            _decimal(y, size),
             f"{angle_deg:.2f}",
-            f"{_rounded_up(math.degrees(hypothesis.poses.rotation_bound)):.2f}",
-            f"{_rounded_up(excursion_bound(hypothesis)):.2f}",
+            _bound(math.degrees(hypothesis.poses.rotation_bound)),
+            _bound(excursion_bound(hypothesis)),
         )
     return table
 
 
-def _print_interpretations(console: Console, hypothesis: Hypothesis, *, number: int, num_listed: int) -> None:
-    console.print(f"interpretations of {number}, {escape(hypothesis.model.name)}:")
+def _print_interpretations(console: Console, hypothesis: Hypothesis, *, num_listed: int) -> None:
     for interpretation in itertools.islice(hypothesis.interpretations, num_listed):
         features = (
             f"{contact} on {kind} {index}"
@@ -155,9 +193,9 @@ def _face_table(model: Model, *, unit: str) -> Table:
     for index, (start, end) in enumerate(model.faces[:MOST_ROWS]):
         table.add_row(
             str(index),
-            f"{_decimal(start[0])}, {_decimal(start[1])}",
-            f"{_decimal(end[0])}, {_decimal(end[1])}",
-            _decimal(math.hypot(*(end - start))),
+            f"{_decimal(start[0], model.size)}, {_decimal(start[1], model.size)}",
+            f"{_decimal(end[0], model.size)}, {_decimal(end[1], model.size)}",
+            _decimal(math.hypot(*(end - start)), model.size),
             f"{_direction_deg(model.face_normals[index]):.1f}",
             model.face_surfaces[index],
         )
@@ -170,9 +208,21 @@ def _direction_deg(vector: NDArray[np.float64]) -> float:
 
 
 def _symmetries(model: Model) -> str:
-    turns = [planar(motion)[2] % 360.0 for motion in model.symmetries]
-    others = sorted(f"{turn:.4g}°" for turn in turns if 1e-6 < turn < 360.0 - 1e-6)
-    return "none" if not others else f"looks the same turned by {', '.join(others)}"
+    turns = sorted(planar(motion)[2] % 360.0 for motion in model.symmetries)
+    others = [f"{turn:.4g}°" for turn in turns if 1e-6 < turn < 360.0 - 1e-6]
+    if not others:
+        return "none"
+    if len(others) > MOST_IN_LINE:
+        # All are turns, so that they are the multiples of the smallest.
+        return f"looks the same turned by multiples of {others[0]}, {len(turns)} in a full turn"
+    return f"looks the same turned by {', '.join(others)}"
+
+
+def _numbers(numbers: Sequence[int]) -> str:
+    if len(numbers) <= MOST_IN_LINE:
+        return ", ".join(map(str, numbers))
+    few = ", ".join(map(str, numbers[: MOST_IN_LINE - 3]))
+    return f"{len(numbers)} of them, {few} ... {numbers[-1]}; --json lists them"
 
 
 def _count(number: int, noun: str) -> str:
@@ -194,11 +244,21 @@ def _truncated(number: int) -> str:
     return digits if len(digits) <= 7 else f"{digits[0]}.{digits[1]}e{len(digits) - 1}"
 
 
-def _decimal(value: float) -> str:
-    text = f"{value:.3f}"
-    return "0.000" if text == "-0.000" else text
+def _decimal(value: float, size: float) -> str:
+    """To three decimals, or as many more as a part of `size` needs."""
+    decimals = 3 if size >= 1.0 or size <= 0.0 else 3 - math.floor(math.log10(size))
+    if decimals > 12:
+        return f"{value:.6g}"
+    text = f"{value:.{decimals}f}"
+    return text.removeprefix("-") if float(text) == 0.0 else text
 
 
-def _rounded_up(value: float) -> float:
-    """To two decimals, never below `value`: a bound that is printed must still be a bound."""
-    return math.ceil(value * 100.0 - 1e-9) / 100.0
+def _bound(value: float) -> str:
+    """To two decimals, small ones to two digits, never below `value`: it must still be a bound."""
+    if value <= 0.0:
+        return "0.00"
+    decimals = 2 if value >= 0.1 else 1 - math.floor(math.log10(value))
+    step = 10.0**-decimals
+    # A value that is printed as it is stays: 1e-9 of a step is what rounding in floats may add.
+    rounded = math.ceil(value / step - 1e-9) * step
+    return f"{rounded:.{decimals}f}" if decimals <= 9 else f"{rounded:.1e}"

@@ -1,0 +1,54 @@
+"""The parts that a command line names: where each comes from, and how they are told apart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from palpate import Model, load_models
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Models, with what was named to load each of them."""
+
+    models: list[Model]
+    sources: list[str]
+
+    @property
+    def labels(self) -> list[str]:
+        """A name for each: its own, with its number, counted from 1, where another one has it too."""
+        names = [model.name for model in self.models]
+        return [
+            name if names.count(name) == 1 else f"{name} (model {number})"
+            for number, name in enumerate(names, start=1)
+        ]
+
+
+def load_parts(paths: Sequence[str], *, unit: str) -> Parts:
+    """The models of files, folders and bundled parts, in this order."""
+    loaded = [(model, path) for path in paths for model in load_models(path, unit=unit)]
+    return Parts([model for model, _ in loaded], [path for _, path in loaded])
+
+
+def part_notes(parts: Parts, *, unit: str) -> list[str]:
+    """A line for each part of which the reader of an answer must know more than its name."""
+    names = [model.name for model in parts.models]
+    lines: list[str] = []
+    for number, (model, label) in enumerate(zip(parts.models, parts.labels, strict=True), start=1):
+        first = 1 + parts.models.index(model)
+        notes = [] if names.count(model.name) == 1 else [f"from {parts.sources[number - 1]}"]
+        if first != number:
+            notes.append(f"the same as model {first}: what fits one fits the other")
+        if model.position_slack or model.normal_slack:
+            notes.append(f"slack {slack_words(model, unit=unit)}, added to the errors of every contact")
+        notes += [f"mended: {mend}" for mend in model.mends]
+        if notes:
+            lines.append(f"{label}: {'; '.join(notes)}")
+    return lines
+
+
+def slack_words(model: Model, *, unit: str) -> str:
+    """How far the true outline may be from that of the model."""
+    return f"{model.position_slack:.4g} {unit} and {math.degrees(model.normal_slack):.4g}°"
