@@ -133,6 +133,8 @@ CASES = [
     (recognize, {"max_hypotheses": 2.5}, "max_hypotheses: must be a whole number, 1 or more (got 2.5); give an int in range"),
     (lambda pose: poses().contains(pose), {"pose": np.zeros(2)}, "world_from_model: must have shape (3, 3), has (2,) (got array([0., 0.])); give an array of shape (3, 3)"),
     (lambda n: poses().sample(n), {"n": -1}, "n: must be a whole number, 0 or more (got -1); give an int in range"),
+    (lambda n: poses().sample(n), {"n": 10**12}, "n: is more than ten million (got 1000000000000); sample in parts, each with its own seed"),
+    (lambda n: poses().sample(n), {"n": 10**30}, "n: must be a whole number, 0 or more (got 1000000000000000000000000000000); give an int in range"),
     (lambda seed: poses().sample(2, seed), {"seed": "x"}, "seed: must be a whole number, 0 or more (got 'x'); give an int in range"),
     (lambda point: poses().excursion(point), {"point": (0, NAN)}, "point: must be finite (got (0, nan)); give finite numbers"),
     (lambda point: poses().outline(point), {"point": (0, 0, 0)}, "point: must have shape (2,), has (3,) (got (0, 0, 0)); only the plane so far: leave z out"),

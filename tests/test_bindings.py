@@ -1,8 +1,12 @@
 """Every name of the compiled core, called with something other than its defaults, and what it returns."""
 
+import ast
 import copy
+import inspect
 import math
 import pickle
+from operator import attrgetter
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,6 +39,65 @@ def test_version_is_the_installed_one():
     from importlib.metadata import version
 
     assert palpate.__version__ == version("palpate")
+
+
+STUB = Path(palpate.__file__).with_name("_core.pyi")
+DOCS_RS = Path(__file__).parent.parent / "crates/palpate-python/src/docs.rs"
+
+
+def documented():
+    """Every name of the stub that has a text, `Model.size` say, with it. A class tells of its constructor."""
+    texts = {}
+    for node in ast.parse(STUB.read_text()).body:
+        if isinstance(node, ast.FunctionDef):
+            texts[node.name] = ast.get_docstring(node)
+        elif isinstance(node, ast.ClassDef):
+            own = [ast.get_docstring(node)]
+            texts[node.name] = ""  # before its members
+            for member in node.body:
+                text = ast.get_docstring(member) if isinstance(member, ast.FunctionDef) else None
+                if text and member.name == "__new__":
+                    own.append(text)
+                elif text:
+                    texts[f"{node.name}.{member.name}"] = text
+            texts[node.name] = "\n\n".join(own)
+    return texts
+
+
+def docs_rs():
+    """The texts of the stub for the compiled module."""
+    rules = "".join(
+        f'    ("{name}") => {{\n        r"{text}"\n    }};\n' for name, text in documented().items()
+    )
+    return f"""\
+//! What `help()` shows, the texts of `python/palpate/_core.pyi`. Change them there, then write this file anew
+//! with `python tests/test_bindings.py`.
+
+/// The text of a class, a function, a method or a property.
+macro_rules! doc {{
+{rules}}}
+"""
+
+
+def test_the_texts_of_the_compiled_module_are_those_of_the_stub():
+    assert DOCS_RS.read_text() == docs_rs(), "run python tests/test_bindings.py"
+
+
+@pytest.mark.parametrize("name", documented())
+def test_help_shows_the_text_of_the_stub(name):
+    thing = attrgetter(name)(palpate)
+    assert inspect.getdoc(thing) == documented()[name]
+
+
+def test_everything_public_has_a_text():
+    told = documented()
+    for name in {name.split(".")[0] for name in told}:
+        thing = getattr(palpate, name)
+        members = [member for member in vars(thing) if member[0] != "_"] if inspect.isclass(thing) else []
+        assert [member for member in members if f"{name}.{member}" not in told] == []
+    shown = inspect.getdoc(palpate.recognize)
+    for word in ("Args:", "Returns:", "Raises:", "world frame", "radians", "unit"):
+        assert word in shown
 
 
 def test_polygon():
@@ -153,6 +216,23 @@ def test_reprs_tell_what_it_is():
     assert repr(palpate.Prior(np.eye(3), translation=1, rotation=2)).endswith(
         "translation=1.0, rotation=2.0)"
     )
+
+
+def test_reprs_of_tiny_parts_keep_their_digits():
+    tiny = palpate.Model.polygon(np.array(OUTLINE) * 1e-7, name="tiny")
+    assert repr(tiny) == '<Model "tiny": 4 faces, 4 vertices, size 0.0000036056>'
+    bounds = {"position_error": 1e-8, "normal_error": 0.01}
+    contacts = [palpate.Contact(p, n, **bounds) for p, n in (((1e-6, 0), (0, -1)), ((3e-6, 1e-6), (1, 0)))]
+    hypothesis = palpate.recognize([tiny], contacts).hypotheses[0]
+    for text in (repr(hypothesis), repr(hypothesis.poses)):
+        x, y = map(float, text.split("at (")[1].split(")")[0].split(", "))
+        assert (x, y) == pytest.approx(tuple(hypothesis.poses.witness[:2, 2]), abs=1e-7)
+        assert len(text) < 120
+
+
+def test_reprs_have_no_noise(wedge):
+    (hypothesis,) = [one for one in bottom_and_right(wedge).hypotheses if one.poses.contains(np.eye(3))]
+    assert max(len(repr(hypothesis)), len(repr(hypothesis.poses))) < 90
 
 
 def test_arrays_that_are_returned_are_read_only():
@@ -322,3 +402,7 @@ def test_recognition_runs_beside_other_threads(wedge):
     with ThreadPoolExecutor(4) as pool:
         answers = list(pool.map(lambda _: repr(bottom_and_right(wedge).hypotheses), range(16)))
     assert set(answers) == {repr(bottom_and_right(wedge).hypotheses)}
+
+
+if __name__ == "__main__":
+    DOCS_RS.write_text(docs_rs())

@@ -84,6 +84,8 @@ class Model:
     ) -> Model:
         """A part given by loose faces: it need not be closed (2.1).
 
+        Segments without length are left out, and `mends` says so.
+
         Args:
             segments: Start and end of each face, shape `(n, 2, 2)`, model frame; outward is on the right.
             name: What to call it in answers and pictures.
@@ -94,7 +96,7 @@ class Model:
             mends: What was mended before, as a reader of files does; put before the model's own.
 
         Raises:
-            ValueError: No segment that is there, one without length, a number out of range or named as both seam and
+            ValueError: No segment with a length that is there, a number out of range or named as both seam and
                 untouchable, a slack that is negative, any number that is not finite.
         """
 
@@ -315,8 +317,9 @@ def recognize(
 ) -> Recognition:
     """Every model and pose that explains all contacts, keeps clear of all misses, and agrees with the prior (chapter 2).
 
-    If the bounds of the contacts hold, the true model and pose are in the answer; and every hypothesis has a pose that
-    satisfies every contact, to the tolerance.
+    Contacts, misses and prior are in the world frame, models each in its own: `p_world = world_from_model @ p_model`.
+    Lengths are in the models' unit, whichever it is, angles in radians. If the bounds of the contacts hold, the true model
+    and pose are in the answer; and every hypothesis has a pose that satisfies every contact, to the tolerance.
 
     Args:
         models: The parts that it may be. Their unit is that of all lengths.
@@ -326,6 +329,9 @@ def recognize(
         prior: What is known of the pose beforehand.
         tolerance: A pose is valid if it is within this share of the part's size; 1e-9 to 0.01.
         max_hypotheses: More than this are not returned, and `Recognition.complete` says so.
+
+    Returns:
+        The answer. That no model explains the contacts is an answer too: `hypotheses` is empty, and `conflict` says why.
 
     Raises:
         ValueError: No models, no contacts, something else among them, an unknown kind of feature, a contact whose
@@ -344,7 +350,10 @@ class Recognition:
         """Those of all hypotheses, found as they are asked for."""
     @property
     def interpretation_count(self) -> int:
-        """How many there are, one of each that a model's symmetries repeat; at least, where that is not `exact`."""
+        """How many there are; at least, where `interpretation_count_exact` is false.
+
+        Without a prior, one of each that a model's symmetries repeat; with a prior every assignment stands for itself.
+        """
     @property
     def interpretation_count_exact(self) -> bool:
         """Whether `interpretation_count` is all of them."""
@@ -352,8 +361,8 @@ class Recognition:
     def conflict(self) -> list[int] | None:
         """If there is no hypothesis: numbers of contacts that no model and pose explains together.
 
-        The smallest such set up to ten contacts; above, one from which none can be left out. Empty if the misses and
-        the prior leave no pose by themselves. None if there is a hypothesis.
+        The smallest such set up to ten contacts; above, one from which none can be left out. Misses and prior count as
+        they are. None if there is a hypothesis, or if the search was cut short.
         """
     @property
     def complete(self) -> bool:
@@ -363,7 +372,8 @@ class Recognition:
         """What was done for each model (3.5).
 
         `nodes` of the interpretation tree, `pruned_by_distance`, `pruned_by_angle` and `pruned_by_direction` of them,
-        `feasible` assignments that passed, `pose_boxes` examined where the tree was too large, and `hypotheses`.
+        `feasible` assignments that passed, `pose_boxes` examined where the tree was too large, and `hypotheses` found,
+        those beyond `max_hypotheses` that are not returned included.
         """
 
 @final
@@ -381,7 +391,10 @@ class Hypothesis:
         """Its interpretations, found as they are asked for."""
     @property
     def interpretation_count(self) -> int:
-        """How many there are, one of each that the model's symmetries repeat; at least, where that is not `exact`."""
+        """How many there are; at least, where `interpretation_count_exact` is false.
+
+        Without a prior, one of each that the model's symmetries repeat; with a prior every assignment stands for itself.
+        """
     @property
     def interpretation_count_exact(self) -> bool:
         """Whether `interpretation_count` is all of them."""
@@ -453,7 +466,7 @@ class PoseSet:
         """`n` valid poses, spread over the set, shape `(n, 3, 3)`; the same for the same seed.
 
         Raises:
-            ValueError: A number that is negative or not whole.
+            ValueError: `n` or `seed` is negative or not whole, or `n` is above ten million.
         """
 
     @property

@@ -11,7 +11,7 @@ use crate::convert::{number, optional_vector, raise, restore, tuple, vector, vec
 type Any<'py> = Bound<'py, PyAny>;
 type Pair = (f64, f64);
 
-/// The tip of a probe rests on the part.
+#[doc = doc!("Contact")]
 #[pyclass(name = "Contact", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyContact(pub(crate) Contact);
@@ -77,7 +77,7 @@ impl PyContact {
             .contact(vector("point", point)?, 0.0)
     }
 
-    /// A contact of a round tip, given by the centre of the tip.
+    #[doc = doc!("Contact.from_tip")]
     #[classmethod]
     #[pyo3(signature = (center, tip_radius, *, position_error, approach=None, normal=None, normal_error=None, start=None))]
     #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
@@ -96,36 +96,43 @@ impl PyContact {
             .contact(vector("center", center)?, tip_radius)
     }
 
+    #[doc = doc!("Contact.center")]
     #[getter]
     fn center<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         vector_array(py, self.0.center)
     }
 
+    #[doc = doc!("Contact.tip_radius")]
     #[getter]
     fn tip_radius(&self) -> f64 {
         self.0.tip_radius
     }
 
+    #[doc = doc!("Contact.position_error")]
     #[getter]
     fn position_error(&self) -> f64 {
         self.0.position_error
     }
 
+    #[doc = doc!("Contact.normal")]
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         self.0.normal.map(|normal| vector_array(py, normal.direction)).transpose()
     }
 
+    #[doc = doc!("Contact.normal_error")]
     #[getter]
     fn normal_error(&self) -> Option<f64> {
         self.0.normal.map(|normal| normal.error)
     }
 
+    #[doc = doc!("Contact.approach")]
     #[getter]
     fn approach<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         self.0.approach.map(|approach| vector_array(py, approach)).transpose()
     }
 
+    #[doc = doc!("Contact.start")]
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         self.0.start.map(|start| vector_array(py, start)).transpose()

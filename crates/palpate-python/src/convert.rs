@@ -186,3 +186,18 @@ pub(crate) fn tuple(vector: DVec2) -> String {
 pub(crate) fn restore<T: PyTypeInfo>(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     py.get_type::<T>().getattr("_restore")
 }
+
+/// How many decimals a place on something of this size is told to: six, and one for each tenth below a hundredth.
+pub(crate) fn decimals(size: f64) -> usize {
+    let tenfold = std::iter::successors(Some(size), |one| Some(one * 10.0));
+    6 + tenfold.take_while(|&one| one > 0.0 && one < 0.01).count()
+}
+
+/// A number to so many decimals, without negative zeros.
+pub(crate) fn decimal(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if zero.chars().all(|one| one == '0' || one == '.') => zero.to_owned(),
+        _ => text,
+    }
+}

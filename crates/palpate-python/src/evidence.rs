@@ -11,12 +11,12 @@ use crate::convert::{number, pose, pose_array, raise, restore, tuple, vector, ve
 type Any<'py> = Bound<'py, PyAny>;
 type Pair = (f64, f64);
 
-/// A guarded move that touched nothing.
+#[doc = doc!("Miss")]
 #[pyclass(name = "Miss", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyMiss(pub(crate) Miss);
 
-/// What is known of the pose beforehand.
+#[doc = doc!("Prior")]
 #[pyclass(name = "Prior", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyPrior(pub(crate) Prior);
@@ -38,21 +38,25 @@ impl PyMiss {
             .map_err(raise)
     }
 
+    #[doc = doc!("Miss.start")]
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         vector_array(py, self.0.start)
     }
 
+    #[doc = doc!("Miss.end")]
     #[getter]
     fn end<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         vector_array(py, self.0.end)
     }
 
+    #[doc = doc!("Miss.tip_radius")]
     #[getter]
     fn tip_radius(&self) -> f64 {
         self.0.tip_radius
     }
 
+    #[doc = doc!("Miss.path_error")]
     #[getter]
     fn path_error(&self) -> f64 {
         self.0.path_error
@@ -92,16 +96,19 @@ impl PyPrior {
         Prior::new(middle, translation, rotation).map(Self).map_err(raise)
     }
 
+    #[doc = doc!("Prior.world_from_model")]
     #[getter]
     fn world_from_model<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         pose_array(py, self.0.world_from_model)
     }
 
+    #[doc = doc!("Prior.translation")]
     #[getter]
     fn translation(&self) -> f64 {
         self.0.translation
     }
 
+    #[doc = doc!("Prior.rotation")]
     #[getter]
     fn rotation(&self) -> f64 {
         self.0.rotation

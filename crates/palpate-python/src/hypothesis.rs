@@ -2,12 +2,15 @@
 
 use std::sync::OnceLock;
 
+use glam::DVec2;
 use numpy::{PyArray2, PyArray3};
 use palpate::plane::{Pose, PoseSet};
 use palpate::{Count, Hypothesis, Interpretation};
 use pyo3::prelude::*;
 
-use crate::convert::{pose, pose_array, poses_array, vector, vectors_array, whole};
+use crate::convert::{
+    decimal, decimals, pose, pose_array, poses_array, refuse, vector, vectors_array, whole,
+};
 use crate::interpretations::PyInterpretations;
 use crate::model::PyModel;
 use crate::thesis::PyThesisPose;
@@ -15,7 +18,10 @@ use crate::thesis::PyThesisPose;
 type Any<'py> = Bound<'py, PyAny>;
 type Array2<'py> = Bound<'py, PyArray2<f64>>;
 
-/// One answer: interpretations of one model whose poses run into each other.
+/// Poses in one sample: 720 MB as an array. What memory can't hold would end the process, not raise.
+const MOST_SAMPLES: u64 = 10_000_000;
+
+#[doc = doc!("Hypothesis")]
 #[pyclass(name = "Hypothesis", module = "palpate._core", frozen)]
 pub(crate) struct PyHypothesis {
     pub(crate) hypothesis: Hypothesis,
@@ -23,14 +29,14 @@ pub(crate) struct PyHypothesis {
     count: OnceLock<Count>,
 }
 
-/// A model with one feature for each contact, and the poses that satisfy them.
+#[doc = doc!("Interpretation")]
 #[pyclass(name = "Interpretation", module = "palpate._core", frozen)]
 pub(crate) struct PyInterpretation {
     pub(crate) interpretation: Interpretation,
     pub(crate) model: Py<PyModel>,
 }
 
-/// All poses of a hypothesis or of an interpretation.
+#[doc = doc!("PoseSet")]
 #[pyclass(name = "PoseSet", module = "palpate._core", frozen)]
 pub(crate) struct PyPoseSet(PoseSet);
 
@@ -46,41 +52,49 @@ impl PyHypothesis {
 
 #[pymethods]
 impl PyHypothesis {
+    #[doc = doc!("Hypothesis.model")]
     #[getter]
     fn model(&self, py: Python<'_>) -> Py<PyModel> {
         self.model.clone_ref(py)
     }
 
+    #[doc = doc!("Hypothesis.model_number")]
     #[getter]
     fn model_number(&self) -> usize {
         self.hypothesis.model_number
     }
 
+    #[doc = doc!("Hypothesis.interpretations")]
     #[getter]
     fn interpretations(slf: &Bound<'_, Self>) -> PyInterpretations {
         PyInterpretations::new(vec![slf.clone().unbind()])
     }
 
+    #[doc = doc!("Hypothesis.interpretation_count")]
     #[getter]
     fn interpretation_count(&self, py: Python<'_>) -> u64 {
         self.count(py).at_least
     }
 
+    #[doc = doc!("Hypothesis.interpretation_count_exact")]
     #[getter]
     fn interpretation_count_exact(&self, py: Python<'_>) -> bool {
         self.count(py).exact
     }
 
+    #[doc = doc!("Hypothesis.world_from_model")]
     #[getter]
     fn world_from_model<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
         pose_array(py, py.detach(|| self.hypothesis.world_from_model()))
     }
 
+    #[doc = doc!("Hypothesis.poses")]
     #[getter]
     fn poses(&self) -> PyPoseSet {
         PyPoseSet(self.hypothesis.poses.clone())
     }
 
+    #[doc = doc!("Hypothesis.marginal")]
     #[getter]
     fn marginal(&self) -> bool {
         self.hypothesis.marginal()
@@ -89,43 +103,44 @@ impl PyHypothesis {
     fn __repr__(&self, py: Python<'_>) -> String {
         let best = py.detach(|| self.hypothesis.world_from_model());
         let marginal = if self.hypothesis.marginal() { ", marginal" } else { "" };
-        let (name, at) = (&self.hypothesis.model.name, best.translation);
-        format!(
-            "<Hypothesis: {name:?} at ({:.6}, {:.6}), turned {:.6} rad{marginal}>",
-            at.x,
-            at.y,
-            best.angle()
-        )
+        let model = &self.hypothesis.model;
+        format!("<Hypothesis: {:?} {}{marginal}>", model.name, place(best, model.size))
     }
 }
 
 #[pymethods]
 impl PyInterpretation {
+    #[doc = doc!("Interpretation.model")]
     #[getter]
     fn model(&self, py: Python<'_>) -> Py<PyModel> {
         self.model.clone_ref(py)
     }
 
+    #[doc = doc!("Interpretation.model_number")]
     #[getter]
     fn model_number(&self) -> usize {
         self.interpretation.model_number
     }
 
+    #[doc = doc!("Interpretation.assignment")]
     #[getter]
     fn assignment(&self) -> Vec<(&'static str, u32)> {
         self.interpretation.assignment.iter().map(|feature| (feature.kind(), feature.number())).collect()
     }
 
+    #[doc = doc!("Interpretation.world_from_model")]
     #[getter]
     fn world_from_model<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
         pose_array(py, py.detach(|| self.interpretation.poses.largest_slack()))
     }
 
+    #[doc = doc!("Interpretation.poses")]
     #[getter]
     fn poses(&self) -> PyPoseSet {
         PyPoseSet(self.interpretation.poses.clone())
     }
 
+    #[doc = doc!("Interpretation.marginal")]
     #[getter]
     fn marginal(&self) -> bool {
         self.interpretation.poses.marginal()
@@ -144,11 +159,13 @@ impl PyInterpretation {
 
 #[pymethods]
 impl PyPoseSet {
+    #[doc = doc!("PoseSet.contains")]
     fn contains(&self, py: Python<'_>, world_from_model: &Any<'_>) -> PyResult<bool> {
         let pose = pose("world_from_model", world_from_model)?;
         Ok(py.detach(|| self.0.contains(pose)))
     }
 
+    #[doc = doc!("PoseSet.sample")]
     #[pyo3(signature = (n, seed=None), text_signature = "($self, n, seed=0)")]
     fn sample<'py>(
         &self,
@@ -156,36 +173,51 @@ impl PyPoseSet {
         n: &Any<'py>,
         seed: Option<&Any<'py>>,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let n = whole("n", n, 0)? as usize;
+        let wanted = whole("n", n, 0)?;
+        if wanted > MOST_SAMPLES {
+            return Err(refuse(
+                "n",
+                "is more than ten million",
+                n,
+                "sample in parts, each with its own seed",
+            ));
+        }
+        let n = wanted as usize;
         let seed = seed.map_or(Ok(0), |seed| whole("seed", seed, 0))?;
         poses_array(py, &py.detach(|| self.0.sample(n, seed)))
     }
 
+    #[doc = doc!("PoseSet.rotation_bound")]
     #[getter]
     fn rotation_bound(&self, py: Python<'_>) -> f64 {
         py.detach(|| self.0.rotation_bound())
     }
 
+    #[doc = doc!("PoseSet.excursion")]
     fn excursion(&self, py: Python<'_>, point: &Any<'_>) -> PyResult<f64> {
         let point = vector("point", point)?;
         Ok(py.detach(|| self.0.excursion(point)))
     }
 
+    #[doc = doc!("PoseSet.outline")]
     fn outline<'py>(&self, py: Python<'py>, point: &Any<'py>) -> PyResult<Array2<'py>> {
         let point = vector("point", point)?;
         vectors_array(py, &py.detach(|| self.0.outline(point)))
     }
 
+    #[doc = doc!("PoseSet.witness")]
     #[getter]
     fn witness<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
         pose_array(py, self.0.witness())
     }
 
+    #[doc = doc!("PoseSet.marginal")]
     #[getter]
     fn marginal(&self) -> bool {
         self.0.marginal()
     }
 
+    #[doc = doc!("PoseSet.thesis_pose")]
     #[getter]
     fn thesis_pose(&self) -> Option<PyThesisPose> {
         self.0.thesis_pose().map(PyThesisPose)
@@ -193,15 +225,16 @@ impl PyPoseSet {
 
     fn __repr__(&self, py: Python<'_>) -> String {
         let bound = self.rotation_bound(py);
-        format!("<PoseSet {}: rotations within {bound:.6} rad>", place(self.0.witness()))
+        let witness = self.0.witness();
+        // The part's size is not known here; a place is told to as many digits as it, or its range, needs.
+        let range = py.detach(|| self.0.excursion(DVec2::ZERO));
+        let scale = witness.translation.abs().max_element().max(range);
+        format!("<PoseSet {}: rotations within {bound:.6} rad>", place(witness, scale))
     }
 }
 
-/// A pose for a person to read: no more digits than that, and no negative zeros.
-fn place(pose: Pose) -> String {
-    let [x, y, angle] = [pose.translation.x, pose.translation.y, pose.angle()].map(|value| {
-        let millionths = (value * 1e6).round();
-        if millionths == 0.0 { 0.0 } else { millionths / 1e6 }
-    });
-    format!("at ({x}, {y}), turned {angle} rad")
+/// A pose for a person to read: to a millionth, or as many digits more as a part of `size` needs.
+fn place(pose: Pose, size: f64) -> String {
+    let [x, y] = pose.translation.to_array().map(|length| decimal(length, decimals(size)));
+    format!("at ({x}, {y}), turned {} rad", decimal(pose.angle(), 6))
 }

@@ -12,7 +12,7 @@ use crate::hypothesis::{PyHypothesis, PyInterpretation};
 
 type Listing = Box<dyn Iterator<Item = Interpretation> + Send>;
 
-/// The interpretations of one or more hypotheses, in their order.
+#[doc = doc!("Interpretations")]
 #[pyclass(name = "Interpretations", module = "palpate._core", frozen)]
 pub(crate) struct PyInterpretations(Vec<Py<PyHypothesis>>);
 

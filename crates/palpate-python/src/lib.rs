@@ -1,5 +1,10 @@
 //! Python bindings: convert, call without the interpreter's lock, raise. Nothing is decided here.
 
+#![expect(clippy::doc_markdown, reason = "texts for Python, whose sections name arguments and errors bare")]
+
+#[macro_use]
+mod docs;
+
 mod contact;
 mod convert;
 mod evidence;

@@ -16,7 +16,7 @@ type Any<'py> = Bound<'py, PyAny>;
 type Pair = (f64, f64);
 type Array2<'py> = Bound<'py, PyArray2<f64>>;
 
-/// A part: its faces, its corners and its symmetries.
+#[doc = doc!("Model")]
 #[pyclass(name = "Model", module = "palpate._core", frozen)]
 pub(crate) struct PyModel {
     pub(crate) model: Arc<Model>,
@@ -105,7 +105,7 @@ impl PyModel {
         Err(PyTypeError::new_err("make a Model with Model.polygon, Model.segments or load_models"))
     }
 
-    /// A part bounded by a closed outline, less its holes.
+    #[doc = doc!("Model.polygon")]
     #[classmethod]
     #[pyo3(
         signature = (vertices, *, name=None, holes=None, untouchable=None, position_slack=None, normal_slack=None, mends=None),
@@ -132,7 +132,7 @@ impl PyModel {
             .model(class.py(), Shape::Polygon { vertices, holes })
     }
 
-    /// A part given by loose faces, each with its outward normal on the right of its direction.
+    #[doc = doc!("Model.segments")]
     #[classmethod]
     #[pyo3(
         signature = (segments, *, name=None, seams=None, untouchable=None, position_slack=None, normal_slack=None, mends=None),
@@ -156,83 +156,96 @@ impl PyModel {
         Options { name, untouchable, position_slack, normal_slack, mends }.model(class.py(), shape)
     }
 
+    #[doc = doc!("Model.name")]
     #[getter]
     fn name(&self) -> &str {
         &self.model.name
     }
 
+    #[doc = doc!("Model.dimension")]
     #[getter]
     #[expect(clippy::unused_self, reason = "parts in space will differ")]
     fn dimension(&self) -> usize {
         2
     }
 
+    #[doc = doc!("Model.faces")]
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Vec<Array2<'py>>> {
         self.model.faces.iter().map(|face| vectors_array(py, &[face.start, face.end])).collect()
     }
 
-    /// None in the plane.
+    #[doc = doc!("Model.edges")]
     #[getter]
     #[expect(clippy::unused_self, reason = "parts in space will differ")]
     fn edges<'py>(&self) -> Vec<Array2<'py>> {
         Vec::new()
     }
 
+    #[doc = doc!("Model.vertices")]
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
         vectors_array(py, &self.model.vertices.iter().map(|vertex| vertex.point).collect::<Vec<_>>())
     }
 
+    #[doc = doc!("Model.face_normals")]
     #[getter]
     fn face_normals<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
         vectors_array(py, &self.model.faces.iter().map(|face| face.normal).collect::<Vec<_>>())
     }
 
+    #[doc = doc!("Model.face_surfaces")]
     #[getter]
     fn face_surfaces(&self) -> Vec<&'static str> {
         self.model.faces.iter().map(|face| surface_name(face.surface)).collect()
     }
 
+    #[doc = doc!("Model.touchable_vertices")]
     #[getter]
     fn touchable_vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let touchable = self.model.vertices.iter().map(|vertex| vertex.normals.is_some());
         convert::fixed(PyArray1::from_iter(py, touchable))
     }
 
+    #[doc = doc!("Model.symmetries")]
     #[getter]
     fn symmetries<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let motions: Vec<_> = self.model.symmetries.iter().map(|symmetry| symmetry.motion).collect();
         convert::poses_array(py, &motions)
     }
 
-    /// None in the plane: a part with straight faces is not symmetric under all rotations.
+    #[doc = doc!("Model.symmetry_axes")]
     #[getter]
     #[expect(clippy::unused_self, reason = "parts in space will differ")]
     fn symmetry_axes<'py>(&self) -> Vec<Array2<'py>> {
         Vec::new()
     }
 
+    #[doc = doc!("Model.position_slack")]
     #[getter]
     fn position_slack(&self) -> f64 {
         self.model.position_slack
     }
 
+    #[doc = doc!("Model.normal_slack")]
     #[getter]
     fn normal_slack(&self) -> f64 {
         self.model.normal_slack
     }
 
+    #[doc = doc!("Model.mends")]
     #[getter]
     fn mends(&self) -> Vec<&str> {
         self.model.mends.iter().map(|mend| mend.0.as_str()).collect()
     }
 
+    #[doc = doc!("Model.size")]
     #[getter]
     fn size(&self) -> f64 {
         self.model.size
     }
 
+    #[doc = doc!("Model.closed")]
     #[getter]
     fn closed(&self) -> bool {
         self.model.closed
@@ -251,7 +264,9 @@ impl PyModel {
     fn __repr__(&self) -> String {
         let Model { name, faces, vertices, size, closed, .. } = &*self.model;
         let kind = if *closed { "" } else { ", open" };
-        format!("<Model {name:?}: {} faces, {} vertices, size {size:.6}{kind}>", faces.len(), vertices.len())
+        let (faces, vertices) = (faces.len(), vertices.len());
+        let size = convert::decimal(*size, convert::decimals(*size));
+        format!("<Model {name:?}: {faces} faces, {vertices} vertices, size {size}{kind}>")
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, ModelState)> {

@@ -17,7 +17,7 @@ use crate::model::PyModel;
 
 type Any<'py> = Bound<'py, PyAny>;
 
-/// Every part and pose that explains the contacts.
+#[doc = doc!("Recognition")]
 #[pyclass(name = "Recognition", module = "palpate._core", frozen)]
 pub(crate) struct PyRecognition {
     found: Recognition,
@@ -25,7 +25,7 @@ pub(crate) struct PyRecognition {
     count: OnceLock<Count>,
 }
 
-/// Every model and pose that explains all contacts, keeps clear of all misses, and agrees with the prior.
+#[doc = doc!("recognize")]
 #[pyfunction]
 #[pyo3(
     signature = (models, contacts, *, features=None, misses=None, prior=None, tolerance=None, max_hypotheses=None),
@@ -143,36 +143,43 @@ impl PyRecognition {
 
 #[pymethods]
 impl PyRecognition {
+    #[doc = doc!("Recognition.hypotheses")]
     #[getter]
     fn hypotheses(&self, py: Python<'_>) -> Vec<Py<PyHypothesis>> {
         self.hypotheses.iter().map(|hypothesis| hypothesis.clone_ref(py)).collect()
     }
 
+    #[doc = doc!("Recognition.interpretations")]
     #[getter]
     fn interpretations(&self, py: Python<'_>) -> PyInterpretations {
         PyInterpretations::new(self.hypotheses(py))
     }
 
+    #[doc = doc!("Recognition.interpretation_count")]
     #[getter]
     fn interpretation_count(&self, py: Python<'_>) -> u64 {
         self.count(py).at_least
     }
 
+    #[doc = doc!("Recognition.interpretation_count_exact")]
     #[getter]
     fn interpretation_count_exact(&self, py: Python<'_>) -> bool {
         self.count(py).exact
     }
 
+    #[doc = doc!("Recognition.conflict")]
     #[getter]
     fn conflict(&self) -> Option<Vec<usize>> {
         self.found.conflict.clone()
     }
 
+    #[doc = doc!("Recognition.complete")]
     #[getter]
     fn complete(&self) -> bool {
         self.found.complete
     }
 
+    #[doc = doc!("Recognition.counters")]
     #[getter]
     fn counters<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.found.reports.iter().map(|report| counters(py, report)).collect()
