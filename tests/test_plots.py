@@ -199,7 +199,24 @@ def test_face_numbers_are_thinned_where_there_are_many():
     angles = np.linspace(0.0, 2.0 * math.pi, 150, endpoint=False)
     axes = plot_models([Model.polygon(np.c_[np.cos(angles), np.sin(angles)] * 50)]).axes[0]
     assert [text.get_text() for text in axes.texts] == [str(k) for k in range(0, 150, 5)]
-    assert axes.get_title().endswith(", numbers divisible by 5 shown")
+    assert axes.get_title().endswith(", every 5th numbered")
+    assert [title_of(sides).split("faces")[1].split(", ")[-1] for sides in (40, 100)] == [
+        "40 symmetries",
+        "every 2nd numbered",
+    ]
+
+
+def title_of(sides):
+    angles = np.linspace(0.0, 2.0 * math.pi, sides, endpoint=False)
+    return plot_models([Model.polygon(np.c_[np.cos(angles), np.sin(angles)])]).axes[0].get_title()
+
+
+def test_a_model_that_is_drawn_small_has_fewer_numbers():
+    angles = np.linspace(0.0, 2.0 * math.pi, 40, endpoint=False)
+    disc = Model.polygon(np.c_[np.cos(angles), np.sin(angles)] * 20)
+    plate = Model.polygon([[0, 0], [120, 0], [120, 120], [0, 120]])
+    axes, _ = plot_models([disc, plate]).axes
+    assert [text.get_text() for text in axes.texts] == [str(k) for k in range(0, 40, 5)]
 
 
 def test_models_of_one_name_are_told_apart(bracket, touches):

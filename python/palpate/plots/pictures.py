@@ -29,7 +29,7 @@ from palpate.plots.style import (
 )
 
 MOST_DRAWN = 25  # hypotheses in one picture; more can't be told apart
-MOST_NUMBERED = 60  # faces of one model that get a number
+MOST_NUMBERED = 60  # faces of a model that fills its frame that get a number
 SMALLEST_SEEN = 0.004  # of the frame: less than the width of a line
 
 
@@ -148,7 +148,9 @@ def plot_models(models: Sequence[Model], *, unit: str = "mm") -> Figure:
         figure = new_figure((cell * num_columns, ((cell - 0.6) * min(1.5, aspect) + 0.8) * num_rows))
         for index, model in enumerate(models):
             axes = figure.add_subplot(num_rows, num_columns, index + 1)
-            _draw_labelled(axes, model, color=part_style(index)[0])
+            low, high = frames[index]
+            share = model.size / float((high - low).max())
+            _draw_labelled(axes, model, color=part_style(index)[0], most=math.ceil(share * MOST_NUMBERED))
             set_frame(axes, *frames[index], unit=unit)
     return figure
 
@@ -167,11 +169,11 @@ def _frames_of(models: Sequence[Model]) -> list[tuple[Array, Array]]:
     return [(middle - half, middle + half) for middle in middles]
 
 
-def _draw_labelled(axes: Axes, model: Model, *, color: str) -> None:
+def _draw_labelled(axes: Axes, model: Model, *, color: str, most: int) -> None:
     draw_model(axes, model, np.eye(3), color=color, fill=0.12, width=1.5)
     tick = 0.035 * model.size
     given = [k for k, surface in enumerate(model.face_surfaces) if surface != "seam"]
-    numbered, step = thinned(given, MOST_NUMBERED)
+    numbered, step = thinned(given, most)
     for index, place in zip(numbered, _face_number_places(model, numbered, tick=tick), strict=True):
         middle = model.faces[index].mean(axis=0)
         axes.plot(*np.array([middle, middle + tick * model.face_normals[index]]).T, color=color, lw=0.9)
@@ -185,7 +187,7 @@ def _draw_labelled(axes: Axes, model: Model, *, color: str) -> None:
         )
     turns = len(model.symmetries)
     also = f", {turns} symmetries" if turns > 1 else ""
-    thin = f", numbers divisible by {step} shown" if step > 1 else ""
+    thin = f", every {step}{'nd' if step == 2 else 'th'} numbered" if step > 1 else ""
     axes.set_title(f"{model.name}: {len(model.faces)} faces{also}{thin}")
 
 
