@@ -32,12 +32,36 @@ fn main() {
         let auto = plan(&found.hypotheses, &sensor, &PlanSettings::default()).unwrap();
         let auto_time = started.elapsed();
         let started = Instant::now();
-        let settings = PlanSettings { planner: Planner::Complete, effort: 300_000, ..PlanSettings::default() };
+        let settings =
+            PlanSettings { planner: Planner::Complete, effort: 300_000, ..PlanSettings::default() };
         let complete = plan(&found.hypotheses, &sensor, &settings).unwrap();
         let complete_time = started.elapsed();
-        let show = |p: &Plan| p.path.as_ref().map(|p| (p.score, (p.expected_score * 100.0).round() / 100.0, (p.margin * 100.0).round() / 100.0, p.classes.len()));
-        println!("n {n} auto {:?} {auto_time:?} judged {} | complete {:?} {complete_time:?} judged {} boxes {} bound {:.3} proved {}", show(&auto), auto.num_judged, show(&complete), complete.num_judged, complete.num_boxes, complete.bound, complete.proved);
-        let best = bench_random(&found.hypotheses, &sensor, num_random, complete.path.as_ref().map_or(f64::INFINITY, |p| p.score));
+        let show = |p: &Plan| {
+            p.path.as_ref().map(|p| {
+                (
+                    p.score,
+                    (p.expected_score * 100.0).round() / 100.0,
+                    (p.margin * 100.0).round() / 100.0,
+                    p.classes.len(),
+                )
+            })
+        };
+        println!(
+            "n {n} auto {:?} {auto_time:?} judged {} | complete {:?} {complete_time:?} judged {} boxes {} bound {:.3} proved {}",
+            show(&auto),
+            auto.num_judged,
+            show(&complete),
+            complete.num_judged,
+            complete.num_boxes,
+            complete.bound,
+            complete.proved
+        );
+        let best = bench_random(
+            &found.hypotheses,
+            &sensor,
+            num_random,
+            complete.path.as_ref().map_or(f64::INFINITY, |p| p.score),
+        );
         println!("    random {best:?}");
         done += 1;
         if done >= count {

@@ -190,7 +190,12 @@ pub fn judge(
 ) -> Result<Path, Error> {
     check(hypotheses, settings)?;
     let Some(direction) = line.direction.try_normalize().filter(|_| line.start.is_finite()) else {
-        return Err(Error::new("direction", "must not be zero", line.direction, "give a direction, of any length"));
+        return Err(Error::new(
+            "direction",
+            "must not be zero",
+            line.direction,
+            "give a direction, of any length",
+        ));
     };
     let scene = Scene::new(hypotheses, sensor, settings);
     let line = Line { direction, ..line };
@@ -202,12 +207,16 @@ pub(crate) fn judged(scene: &Scene, members: &[usize], line: &Line, length: Opti
     let mut outcomes = match scene.outcomes(line, members, 0.0) {
         Ok(outcomes) => outcomes,
         // All of them, for whoever wants to know.
-        Err(_) => members.iter().flat_map(|member| match scene.outcomes(line, &[*member], 0.0) {
-            Ok(outcomes) | Err(outcomes) => outcomes,
-        }).collect(),
+        Err(_) => members
+            .iter()
+            .flat_map(|member| match scene.outcomes(line, &[*member], 0.0) {
+                Ok(outcomes) | Err(outcomes) => outcomes,
+            })
+            .collect(),
     };
     let last = outcomes.iter().flat_map(|outcome| &outcome.touches).map(|touch| touch.depth.high);
-    let needed = last.fold(0.0, f64::max) + scene.sensor.position_error + scene.sensor.path_error + scene.margin;
+    let needed =
+        last.fold(0.0, f64::max) + scene.sensor.position_error + scene.sensor.path_error + scene.margin;
     let length = length.unwrap_or(needed);
     for outcome in &mut outcomes {
         // A shorter path may end before the contact.
@@ -298,7 +307,12 @@ impl Best<'_> {
 
 fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Result<(), Error> {
     if hypotheses.is_empty() {
-        return Err(Error::new("hypotheses", "must not be empty", "[]", "give found.hypotheses of a recognition"));
+        return Err(Error::new(
+            "hypotheses",
+            "must not be empty",
+            "[]",
+            "give found.hypotheses of a recognition",
+        ));
     }
     if !(1e-6..=0.1).contains(&settings.margin) {
         let remedy = "give a share of the part's size from 1e-6 to 0.1, such as 1e-3";
@@ -308,12 +322,22 @@ fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Result<(), Error
         && !(low.is_finite() && high.is_finite() && low.cmplt(high).all())
     {
         let value = format!("{low}, {high}");
-        return Err(Error::new("workspace", "must be two opposite corners, the lower left one first", value, "give [[x0, y0], [x1, y1]]"));
+        return Err(Error::new(
+            "workspace",
+            "must be two opposite corners, the lower left one first",
+            value,
+            "give [[x0, y0], [x1, y1]]",
+        ));
     }
     if let Stop::Share(share) = settings.stop
         && !(share > 0.0 && share <= 1.0)
     {
-        return Err(Error::new("stop", "the share must be above 0 and at most 1", share, "give (\"share\", 0.5)"));
+        return Err(Error::new(
+            "stop",
+            "the share must be above 0 and at most 1",
+            share,
+            "give (\"share\", 0.5)",
+        ));
     }
     Ok(())
 }

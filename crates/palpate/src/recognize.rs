@@ -46,7 +46,7 @@ pub struct Recognition {
     /// In the order of the models.
     pub hypotheses: Vec<Hypothesis>,
     /// If there is none: contacts (by number) that no model and pose explains together. The smallest such set up to
-    /// ten contacts; above, one from which none can be left out. Empty: nothing but the misses and the prior.
+    /// ten contacts; above, one from which none can be left out. Misses and prior count as they are.
     pub conflict: Option<Vec<usize>>,
     /// One for each model.
     pub reports: Vec<ModelReport>,
@@ -134,6 +134,7 @@ fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> 
         let remedy = "give a share of the part's size from 1e-9 to 0.01, such as 1e-6";
         return Err(Error::new("tolerance", "is out of range", settings.tolerance, remedy));
     }
+    check_lengths(models, evidence)?;
     let slack = models.iter().map(|model| model.normal_slack).fold(0.0, f64::max);
     for (number, contact) in evidence.contacts.iter().enumerate() {
         if let (Some(normal), Some(approach)) = (contact.normal, contact.approach)
@@ -149,6 +150,35 @@ fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> 
     Ok(())
 }
 
+/// Lengths of so many sizes of the largest model are no lengths of the same world.
+const FARTHEST: f64 = 1e8;
+
+/// Coordinates and radii that leave no digits for the part.
+fn check_lengths(models: &[Shared<Model>], evidence: &Evidence) -> Result<(), Error> {
+    let size = models.iter().map(|model| model.size).fold(0.0, f64::max);
+    let within =
+        |argument: String, lengths: &[f64]| match lengths.iter().find(|one| one.abs() > FARTHEST * size) {
+            None => Ok(()),
+            Some(length) => {
+                let problem = format!("is more than 1e8 times the size of the largest model, {size:.6}");
+                let remedy = "give lengths in the models' unit, from an origin within reach";
+                Err(Error::new(argument, problem, format!("{length:?}"), remedy))
+            }
+        };
+    for (number, contact) in evidence.contacts.iter().enumerate() {
+        let start = contact.start.unwrap_or(contact.center);
+        let lengths = [contact.center, start].map(|at| at.to_array()).concat();
+        let lengths = [lengths, vec![contact.tip_radius, contact.position_error]].concat();
+        within(format!("contacts[{number}]"), &lengths)?;
+    }
+    for (number, miss) in evidence.misses.iter().enumerate() {
+        let lengths = [miss.start, miss.end].map(|at| at.to_array()).concat();
+        let lengths = [lengths, vec![miss.tip_radius, miss.path_error]].concat();
+        within(format!("misses[{number}]"), &lengths)?;
+    }
+    Ok(())
+}
+
 /// The largest number of contacts for which the smallest conflict is sought.
 const MOST_EXHAUSTIVE: usize = 10;
 
@@ -157,7 +187,10 @@ fn conflict(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) 
     let explained = |members: &[usize]| {
         let contacts = members.iter().map(|number| evidence.contacts[*number]).collect();
         let evidence = Evidence { contacts, ..evidence.clone() };
-        models.par_iter().any(|model| !explain(model, &evidence, settings).hypotheses.is_empty())
+        models.par_iter().any(|model| {
+            let found = explain(model, &evidence, settings);
+            !found.hypotheses.is_empty() || !found.complete
+        })
     };
     let count = evidence.contacts.len();
     if count <= MOST_EXHAUSTIVE {

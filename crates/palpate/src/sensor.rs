@@ -34,7 +34,12 @@ impl Sensor {
         }
         if !(max_incidence > 0.0 && max_incidence < FRAC_PI_2) {
             let remedy = "give radians, such as 1.047 for 60°";
-            return Err(Error::new("max_incidence", "must be an angle between 0 and π/2", max_incidence, remedy));
+            return Err(Error::new(
+                "max_incidence",
+                "must be an angle between 0 and π/2",
+                max_incidence,
+                remedy,
+            ));
         }
         Ok(Self { position_error, normal_error, max_incidence, tip_radius: 0.0, path_error: 0.0 })
     }

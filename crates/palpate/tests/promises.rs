@@ -30,7 +30,14 @@ fn distance(model: &Model, point: DVec2) -> (f64, DVec2) {
 }
 
 /// The first contact of a ball, by going on as far as is surely free: the place of its centre, and the outward normal.
-fn touch(model: &Model, pose: Pose, start: DVec2, direction: DVec2, length: f64, radius: f64) -> Option<(DVec2, DVec2)> {
+fn touch(
+    model: &Model,
+    pose: Pose,
+    start: DVec2,
+    direction: DVec2,
+    length: f64,
+    radius: f64,
+) -> Option<(DVec2, DVec2)> {
     let inverse = pose.inverse();
     let mut t = 0.0;
     let mut last = DVec2::ZERO;
@@ -83,7 +90,11 @@ fn check(path: &Path, hypotheses: &[Hypothesis], number: usize, sensor: &Sensor,
             assert!(incidence <= sensor.max_incidence + 1e-6, "skids at {incidence}");
         }
         let left = path.outcome_of(reading);
-        assert!(left.contains(&number), "the truth {number} is not among {left:?}: {reading:?} {:?}", path.outcomes[number]);
+        assert!(
+            left.contains(&number),
+            "the truth {number} is not among {left:?}: {reading:?} {:?}",
+            path.outcomes[number]
+        );
         let class = path.classes.iter().find(|class| class.contains(&number)).expect("a class");
         assert!(left.iter().all(|other| class.contains(other)), "{left:?} is more than {class:?}");
         for other in left {
@@ -127,7 +138,9 @@ fn a_reading_leaves_the_truth_and_nothing_that_the_path_separates_from_it() {
         let settings = PlanSettings { vertices: Some(noise.tip_radius > 0.0), ..PlanSettings::default() };
         let prepared = Prepared::new(&found.hypotheses, &sensor, &settings).expect("hypotheses");
         let mut paths: Vec<Path> = (0..300)
-            .filter_map(|_| prepared.line(TAU * random.f64(), prepared.radius() * uniform(&mut random, -1.0, 1.0)))
+            .filter_map(|_| {
+                prepared.line(TAU * random.f64(), prepared.radius() * uniform(&mut random, -1.0, 1.0))
+            })
             .filter(|line| prepared.score(line).is_some())
             .map(|line| prepared.judge(&line))
             .take(40)

@@ -93,6 +93,7 @@ def table_of(summary: dict[str, Any]) -> Table:
         "problems": "problems",
         **FAULTS,
         "incomplete": "incomplete answer",
+        "undecided": "undecided, kept",
         "not_listed": "too many to list",
         "hypotheses": "hypotheses",
         "poses_checked": "poses checked",

@@ -4,6 +4,7 @@
 //! in the middle of the contacts. The world point `pivot + c` is then the model point `y + R(−θ)c`: features stay
 //! where they are, levers `c` have the size of the data, and at one θ every condition is a condition on `y`.
 
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc as Shared;
 
 use glam::DVec2;
@@ -80,14 +81,20 @@ impl Case {
     /// `tolerance` is relative to the part's size.
     pub fn new(model: &Shared<Model>, evidence: &Evidence, tolerance: f64) -> Self {
         let pivot = middle(&evidence.contacts, evidence.prior);
-        let data: Vec<Datum> = evidence.contacts.iter().map(|contact| datum(contact, model, pivot)).collect();
-        let sweeps = Sweep::all(evidence, model, pivot);
+        // Without a prior one assignment stands for all that the symmetries take it to, up to what they miss.
+        let (miss, turn) = if evidence.prior.is_none() { model.asymmetry } else { (0.0, 0.0) };
+        let slacks = (model.position_slack + miss, model.normal_slack + turn);
+        let data: Vec<Datum> =
+            evidence.contacts.iter().map(|contact| datum(contact, slacks, pivot)).collect();
+        let sweeps = Sweep::all(evidence, model, slacks.0, pivot);
         let reach = |points: &mut dyn Iterator<Item = DVec2>| points.map(DVec2::length).fold(0.0, f64::max);
         let own_scale = model.size
             + reach(&mut model.faces.iter().flat_map(|face| [face.start, face.end]))
             + sweeps.iter().map(Sweep::reach).fold(0.0, f64::max)
             + data.iter().map(|datum| datum.lever.length() + datum.bound + datum.radius).fold(0.0, f64::max);
-        let prior = evidence.prior.map(|prior| bounded(prior, pivot, own_scale));
+        let says_nothing = |prior: &Prior| prior.translation == f64::INFINITY && prior.rotation >= PI;
+        let prior =
+            evidence.prior.map(|prior| bounded(prior, pivot, own_scale)).filter(|one| !says_nothing(one));
         let scale = own_scale
             + prior
                 .filter(|prior| prior.translation.is_finite())
@@ -212,17 +219,15 @@ fn middle(contacts: &[Contact], prior: Option<Prior>) -> DVec2 {
     0.5 * (low + high)
 }
 
-fn datum(contact: &Contact, model: &Model, pivot: DVec2) -> Datum {
-    let sensed = contact
-        .normal
-        .map(|normal| Arc::around(normal.direction.to_angle(), normal.error + model.normal_slack));
+fn datum(contact: &Contact, (position_slack, normal_slack): (f64, f64), pivot: DVec2) -> Datum {
+    let sensed =
+        contact.normal.map(|normal| Arc::around(normal.direction.to_angle(), normal.error + normal_slack));
     // −approach·n ≥ 0: the normal is within a quarter turn of the way back.
-    let facing = contact.approach.map(|approach| {
-        Arc::around((-approach).to_angle(), std::f64::consts::FRAC_PI_2 + model.normal_slack)
-    });
+    let facing =
+        contact.approach.map(|approach| Arc::around((-approach).to_angle(), FRAC_PI_2 + normal_slack));
     Datum {
         lever: contact.center - pivot,
-        bound: contact.position_error + model.position_slack,
+        bound: contact.position_error + position_slack,
         radius: contact.tip_radius,
         normals: both(sensed, facing),
         sensed,

@@ -19,7 +19,7 @@ use crate::feature::Feature;
 const WIDEST_POLYTOPE: f64 = 0.35;
 
 /// A cell is divided by ways out of the part this often, at most.
-const MOST_WALLS: usize = 24;
+const MOST_WALLS: usize = 48;
 
 /// A part of pose space.
 #[derive(Debug, Clone)]
@@ -148,6 +148,12 @@ impl Cell {
     /// The pose of a point of the polytope.
     pub fn pose(&self, s: f64, y: DVec2) -> PivotPose {
         PivotPose { angle: self.mid + s.clamp(-1.0, 1.0).asin(), y }
+    }
+
+    /// The box of the cell with so much more at either end.
+    pub fn widened(&self, length: f64, angle: f64) -> Self {
+        let half = self.half + angle;
+        Self::whole(self.mid, half).within(self.y_low - length, self.y_high + length)
     }
 
     /// Whether the cell may hold `pose`, within `length` and `angle`.
@@ -299,9 +305,7 @@ impl Cell {
         lever: DVec2,
         pose: PivotPose,
     ) -> Option<Escapes> {
-        let away = (self.y_high - pose.y).max(pose.y - self.y_low);
-        let turn = (self.half + wrap(pose.angle - self.mid).abs()).min(std::f64::consts::PI);
-        let motion = away.length() + 2.0 * (0.5 * turn).sin() * lever.length() + conditions.case.outward();
+        let motion = self.motion_from(pose, lever.length()) + conditions.case.outward();
         sweep.escapes(&conditions.case.model, lever, pose, motion, conditions.slack)
     }
 
@@ -320,12 +324,28 @@ impl Cell {
         if escapes.iter().any(|wall| wall.normal.dot(place) + loose > wall.height) {
             return None;
         }
+        let stretch = match escapes[..] {
+            [first, second] => {
+                let reach = sweep.reach();
+                let motion = self.motion_from(pose, reach) + case.outward();
+                sweep.stretch(&case.model, [first, second], pose, motion, conditions.slack)
+            }
+            _ => None,
+        };
         let part = |wall: &Wall| {
             let mut part = self.clone();
             part.walls.push(*wall);
+            part.walls.extend(stretch.iter().flatten().map(|end| Wall { lever: *end, ..*wall }));
             part.contract(conditions).then_some(part)
         };
         Some(escapes.iter().filter_map(part).collect())
+    }
+
+    /// How far a point at `reach` from the pivot moves within the cell, at most, from where `pose` has it.
+    fn motion_from(&self, pose: PivotPose, reach: f64) -> f64 {
+        let away = (self.y_high - pose.y).max(pose.y - self.y_low);
+        let turn = (self.half + wrap(pose.angle - self.mid).abs()).min(std::f64::consts::PI);
+        away.length() + 2.0 * (0.5 * turn).sin() * reach
     }
 
     /// Cuts with the box of translations. The condition is bilinear in (s, y): its product of deviations from the

@@ -35,6 +35,9 @@ pub(crate) type Escapes = ArrayVec<Wall, MOST_ESCAPES>;
 /// With more ways out than this, a cell is better divided.
 const MOST_ESCAPES: usize = 6;
 
+/// A stretch of a sweep is at least this power of a half of it.
+const MOST_HALVINGS: i32 = 14;
+
 /// The worst point of a sweep is found to this share of the part's size.
 const FINEST: f64 = 1e-9;
 
@@ -46,11 +49,13 @@ impl Sweep {
     ///
     /// A contact's own sweep ends its position error short of the centre. The true centre may be off the sensed one
     /// by that error, hence so may the line on which the tip came: it counts as the path error.
-    pub fn all(evidence: &Evidence, model: &Model, pivot: DVec2) -> Vec<Self> {
+    ///
+    /// Of each, the part counts that is near enough: the model is somewhere at the first contact.
+    pub fn all(evidence: &Evidence, model: &Model, slack: f64, pivot: DVec2) -> Vec<Self> {
         let misses = evidence.misses.iter().map(|miss| Self {
             start: miss.start - pivot,
             end: miss.end - pivot,
-            clearance: miss.tip_radius - miss.path_error - model.position_slack,
+            clearance: miss.tip_radius - miss.path_error - slack,
         });
         let approaches = evidence.contacts.iter().filter_map(|contact| {
             let start = contact.start?;
@@ -59,10 +64,41 @@ impl Sweep {
             (short > 0.0).then(|| Self {
                 start: start - pivot,
                 end: start - pivot + way * (short / way.length()),
-                clearance: contact.tip_radius - contact.position_error - model.position_slack,
+                clearance: contact.tip_radius - contact.position_error - slack,
             })
         });
-        misses.chain(approaches).collect()
+        let near = evidence.contacts.first().map(|contact| {
+            let reach = model.size + contact.position_error + contact.tip_radius + slack;
+            (contact.center - pivot, reach)
+        });
+        let all = misses.chain(approaches);
+        all.filter_map(|sweep| near.map_or(Some(sweep), |(at, reach)| sweep.clipped(at, 1.01 * reach)))
+            .collect()
+    }
+
+    /// The part of it that may come near a model within `reach` of a place; `None` if it comes nowhere near.
+    fn clipped(self, place: DVec2, reach: f64) -> Option<Self> {
+        let reach = reach + self.clearance.max(0.0);
+        let way = self.end - self.start;
+        let length = way.length();
+        let Some(along) = way.try_normalize() else {
+            return (self.start.distance(place) <= reach).then_some(self);
+        };
+        let foot = along.dot(place - self.start);
+        let aside = along.perp_dot(place - self.start).abs();
+        let half = (reach * reach - aside * aside).max(0.0).sqrt();
+        let (from, to) = ((foot - half).max(0.0), (foot + half).min(length));
+        // A sweep that is needed whole is kept as it was given.
+        let cut = |t: f64| {
+            if t <= 0.0 {
+                self.start
+            } else if t >= length {
+                self.end
+            } else {
+                self.start + t * along
+            }
+        };
+        (aside <= reach && from <= to).then(|| Self { start: cut(from), end: cut(to), ..self })
     }
 
     /// Whether every point of the sweep keeps its distance at `pose`, within `slack`.
@@ -79,7 +115,8 @@ impl Sweep {
             let near = |face: &Face| segment_to_segment(path, [face.start, face.end]) < clearance;
             return solid(model).any(near) || inside(model, path[0]);
         }
-        model.closed && deepest(model, path, &inner_pieces(model, path), -clearance, -clearance).0 > -clearance
+        model.closed
+            && deepest(model, path, &inner_pieces(model, path), -clearance, -clearance).0 > -clearance
     }
 
     /// By how much the clearance is missed where it is missed most, to a twentieth, and the lever of that point. Negative
@@ -137,6 +174,49 @@ impl Sweep {
         Some(escapes)
     }
 
+    /// Ends of a stretch of the sweep around the point at `lever` all of which must be beyond the one, or all beyond the other
+    /// of two walls of that point: it can't change sides without passing through what is too deep between them.
+    ///
+    /// So it is where no other face is within the depth of the stretch at any pose within `motion` of `pose`, and no point
+    /// near it is beyond both walls (`docs/theory.md`, T7). `None` if no stretch is found, or outside of the part.
+    pub fn stretch(
+        &self,
+        model: &Model,
+        [first, second]: [Wall; 2],
+        pose: PivotPose,
+        motion: f64,
+        slack: f64,
+    ) -> Option<[DVec2; 2]> {
+        let depth = slack - self.clearance;
+        if depth < 0.0 || !model.closed {
+            return None;
+        }
+        let lever = first.lever;
+        let turn = DVec2::from_angle(-pose.angle);
+        let place = |lever: DVec2| pose.y + turn.rotate(lever);
+        let of_walls = |face: &Face| {
+            [first, second]
+                .iter()
+                .any(|wall| face.normal == wall.normal && face.normal.dot(face.start) - depth == wall.height)
+        };
+        // Beyond both is no point of which the sum of both heights is less than that of both walls.
+        let both = first.normal + second.normal;
+        let gap = first.height + second.height - both.dot(place(lever));
+        for halving in 0..MOST_HALVINGS {
+            let share = 0.5_f64.powi(halving);
+            let ends = [self.start, self.end].map(|end| lever.lerp(end, share));
+            let path = ends.map(place);
+            let reach = path[0].distance(place(lever)).max(path[1].distance(place(lever)));
+            let alone = |face: &Face| {
+                of_walls(face) || segment_to_segment(path, [face.start, face.end]) > depth + motion
+            };
+            if gap > both.length() * (reach + motion) && solid(model).all(alone) {
+                return Some(ends);
+            }
+        }
+        None
+    }
+
     /// The largest distance of a swept point from the pivot.
     pub fn reach(&self) -> f64 {
         self.start.length().max(self.end.length())
@@ -152,10 +232,18 @@ fn around_corner(lever: DVec2, offset: DVec2, clearance: f64, motion: f64) -> Op
     let outward = offset.try_normalize()?;
     let cosine = (1.0 - (motion / offset.length()).powi(2)).max(0.0).sqrt();
     if clearance > 0.0 {
-        return (motion < offset.length()).then(|| Wall { lever, normal: outward, height: clearance * cosine });
+        return (motion < offset.length()).then(|| Wall {
+            lever,
+            normal: outward,
+            height: clearance * cosine,
+        });
     }
     let twice = 2.0 * cosine * cosine - 1.0;
-    (motion < offset.length() && twice > 0.0).then(|| Wall { lever, normal: -outward, height: clearance / twice })
+    (motion < offset.length() && twice > 0.0).then(|| Wall {
+        lever,
+        normal: -outward,
+        height: clearance / twice,
+    })
 }
 
 /// Where the border of what is too near goes around corners: outside, around those that stick out (of an open model, around
@@ -248,30 +336,45 @@ fn inner_pieces(model: &Model, path: [DVec2; 2]) -> Vec<[f64; 2]> {
 /// The largest distance to the outline on pieces of a path that do not cross it, and where, to a twentieth of what it is
 /// above `floor`. Below `floor` it is not sought; once above `enough` it is no longer.
 ///
-/// The distance to one face is convex along a piece, hence at most the larger of its values at the ends; the distance
-/// to the outline is the least of these.
+/// The distance to one face is convex along a piece, hence nowhere above the chord between its ends. Of the faces nearest to
+/// the two ends the chords cross at the highest that the distance to the outline can be, and there the piece is divided.
 fn deepest(model: &Model, path: [DVec2; 2], pieces: &[[f64; 2]], floor: f64, enough: f64) -> (f64, f64) {
     let finest = FINEST * model.size;
     let length = path[0].distance(path[1]);
+    let to_face = |t: f64, face: &Face| to_segment(path[0].lerp(path[1], t), [face.start, face.end]);
+    let look = |t: f64| {
+        let distances = solid(model).map(|face| (to_face(t, face), face));
+        distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(distance, face)| (t, distance, face))
+    };
+    let mut open = Vec::new();
     let mut best = (0.0, pieces.first().map_or(0.0, |[from, to]| 0.5 * (from + to)));
-    let mut open = pieces.to_vec();
-    while let Some([from, to]) = open.pop() {
-        let middle = 0.5 * (from + to);
-        let [start, at, end] = [from, middle, to].map(|t| path[0].lerp(path[1], t));
-        let (mut bound, mut distance) = (f64::INFINITY, f64::INFINITY);
-        for face in solid(model).map(|face| [face.start, face.end]) {
-            bound = bound.min(to_segment(start, face).max(to_segment(end, face)));
-            distance = distance.min(to_segment(at, face));
+    let mut take = |best: &mut (f64, f64), t: f64| {
+        let seen = look(t);
+        if let Some((_, distance, _)) = seen.filter(|(_, distance, _)| *distance > best.0) {
+            *best = (distance, t);
         }
-        if distance > best.0 {
-            best = (distance, middle);
-        }
+        seen
+    };
+    for [from, to] in pieces {
+        open.extend(take(&mut best, *from).zip(take(&mut best, *to)));
+    }
+    while let Some((from, to)) = open.pop() {
         if best.0 > enough {
             break;
         }
+        // By how much each end is farther from the face that is nearest to the other end.
+        let (ahead, behind) = (to_face(from.0, to.2) - from.1, to_face(to.0, from.2) - to.1);
+        if ahead + behind <= 0.0 {
+            continue;
+        }
+        let share = ahead / (ahead + behind);
+        let bound = from.1 + share * (to.1 + behind - from.1);
         let wanted = best.0.max(floor) + finest.max(0.05 * (best.0 - floor));
-        if bound > wanted && (to - from) * length > finest {
-            open.extend([[from, middle], [middle, to]]);
+        if bound > wanted && (to.0 - from.0) * length > finest {
+            let t = from.0 + share * (to.0 - from.0);
+            if let Some(middle) = take(&mut best, t).filter(|_| from.0 < t && t < to.0) {
+                open.extend([(from, middle), (middle, to)]);
+            }
         }
     }
     best

@@ -33,7 +33,8 @@ fn a_point_that_is_too_near_leaves_by_one_of_its_walls() {
     let (mut walled, mut free, mut sealed) = (0, 0, 0);
     for _ in 0..16_000 {
         let model = part(&mut random);
-        let clearance = [0.0, uniform(&mut random, 0.1, 12.0), uniform(&mut random, -12.0, -0.1)][random.usize(0..3)];
+        let clearance =
+            [0.0, uniform(&mut random, 0.1, 12.0), uniform(&mut random, -12.0, -0.1)][random.usize(0..3)];
         let lever = dvec2(uniform(&mut random, -70.0, 70.0), uniform(&mut random, -70.0, 70.0));
         let sweep = Sweep { start: lever, end: lever, clearance };
         let pose = PivotPose { angle: 0.0, y: DVec2::ZERO };
@@ -48,11 +49,59 @@ fn a_point_that_is_too_near_leaves_by_one_of_its_walls() {
             if clear(&model, moved, clearance) {
                 free += 1;
                 let beyond = |wall: &Wall| wall.normal.dot(moved) >= wall.height - 1e-9;
-                assert!(escapes.iter().any(beyond), "{moved} from {lever}, clearance {clearance}: {escapes:?}");
+                assert!(
+                    escapes.iter().any(beyond),
+                    "{moved} from {lever}, clearance {clearance}: {escapes:?}"
+                );
             }
         }
     }
     assert!(walled > 1000 && free > 10_000 && sealed > 100, "{walled} {free} {sealed}");
+}
+
+#[test]
+fn a_stretch_does_not_change_sides() {
+    let mut random = Rng::with_seed(19);
+    let (mut stretches, mut free) = (0, 0);
+    for _ in 0..20_000 {
+        // A bar, a little wider than twice the depth, and a sweep that crosses it or runs along it.
+        let depth = uniform(&mut random, 1.0, 6.0);
+        let half = depth + [0.0, 0.01, 0.3][random.usize(0..3)] + 1e-6;
+        let lean = uniform(&mut random, -0.05, 0.05);
+        let corners =
+            [dvec2(-40.0, -half), dvec2(40.0, -half - lean), dvec2(40.0, half), dvec2(-40.0, half + lean)];
+        let model = Model::polygon("bar", &corners, &[], &[], 0.0, 0.0).expect("a bar");
+        let middle = dvec2(uniform(&mut random, -30.0, 30.0), uniform(&mut random, -0.3, 0.3));
+        let way = uniform(&mut random, 0.1, 15.0) * DVec2::from_angle(uniform(&mut random, 0.0, 7.0));
+        let sweep = Sweep { start: middle - way, end: middle + way, clearance: -depth };
+        let pose = PivotPose { angle: 0.0, y: DVec2::ZERO };
+        let (intrusion, lever) = sweep.intrusion(&model, pose);
+        let motion = [0.01, 0.3, 1.5][random.usize(0..3)];
+        let escapes = sweep.escapes(&model, lever, pose, motion, 0.0);
+        let Some([first, second]) =
+            escapes.as_deref().map(|walls| <[Wall; 2]>::try_from(walls).ok()).flatten()
+        else {
+            continue;
+        };
+        let Some(ends) = sweep.stretch(&model, [first, second], pose, motion, 0.0) else { continue };
+        assert!(intrusion > 0.0);
+        stretches += 1;
+        for _ in 0..40 {
+            // A small turn and a shift by which no point of the sweep moves more than `motion`.
+            let turn = uniform(&mut random, -0.5, 0.5) * motion / sweep.reach();
+            let shift =
+                0.5 * motion * random.f64().sqrt() * DVec2::from_angle(uniform(&mut random, 0.0, 7.0));
+            let moved = PivotPose { angle: turn, y: shift };
+            if sweep.free(&model, moved, 0.0) {
+                free += 1;
+                let place = |lever: DVec2| shift + DVec2::from_angle(-turn).rotate(lever);
+                let beyond =
+                    |wall: &Wall| ends.iter().all(|end| wall.normal.dot(place(*end)) >= wall.height - 1e-9);
+                assert!(beyond(&first) || beyond(&second));
+            }
+        }
+    }
+    assert!(stretches > 1000 && free > 1000, "{stretches} {free}");
 }
 
 #[test]

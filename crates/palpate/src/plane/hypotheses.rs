@@ -23,7 +23,7 @@ use crate::tree::{self, Counters};
 const MOST_NODES: u64 = 100_000;
 
 /// Feasible assignments after which pose cells are divided instead.
-const MOST_FEASIBLE: usize = 1_000;
+const MOST_FEASIBLE: usize = 256;
 
 /// All that one model has to say to the evidence.
 #[derive(Debug)]
@@ -112,7 +112,7 @@ fn explain_by_cells(case: &Shared<Case>, tables: &FeatureTables, counters: Count
     let division = subdivide::subdivide(case, &features, rotations);
     let dense = witnessed(case, division.dense);
     let assignments: BTreeSet<Vec<Feature>> =
-        division.sparse.iter().flat_map(|bundle| bundle.assignments(usize::MAX)).collect();
+        division.sparse.iter().flat_map(|bundle| bundle.assignments()).collect();
     let stands_for_itself = case.prior.is_some();
     let assignments = assignments
         .into_iter()
@@ -168,7 +168,8 @@ fn join(case: &Case, valid: Vec<Valid>, bundles: Vec<Bundle>) -> Vec<Vec<Piece>>
     });
     let dense = bundles.into_iter().map(|bundle| Piece {
         features: bundle.features,
-        cells: vec![bundle.cell],
+        // Poses valid up to τ count, so its bounds hold for these.
+        cells: vec![bundle.cell.widened(2.0 * case.length_tolerance, 2.0 * case.angle_tolerance)],
         witness: bundle.witness,
         bounded: true,
     });

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use super::outline::{self, Outline};
 use super::segments;
-use super::symmetry::symmetries;
+use super::symmetry::{asymmetry, symmetries};
 use super::tables::TableCache;
 use super::{Arc, Pose};
 use crate::{Error, Feature};
@@ -83,6 +83,8 @@ pub struct Model {
     pub mends: Vec<Mend>,
     /// The largest distance between two of its vertices.
     pub size: f64,
+    /// By how much its symmetries miss, at most: a corner its image, and a face's normal, radians.
+    pub(super) asymmetry: (f64, f64),
     /// Its pair tables, made when first needed.
     pub(super) tables: TableCache,
 }
@@ -177,21 +179,8 @@ impl Model {
 
         let mut mends = Vec::new();
         let loops = outline::clean(vertices, holes, &surfaces, &mut mends)?;
-        let (faces, vertices) = features_of(&loops);
-        let size = largest_distance(&vertices);
-        let symmetries = symmetries(&faces, &vertices, size);
-        Ok(Self {
-            name,
-            faces,
-            vertices,
-            closed: true,
-            symmetries,
-            position_slack,
-            normal_slack,
-            mends,
-            size,
-            tables: TableCache::default(),
-        })
+        let model = Self::of_features(name, features_of(&loops), true);
+        Ok(Self { position_slack, normal_slack, mends, ..model })
     }
 
     /// A part given by loose faces, each with its normal on the right of `start → end`. Numbers in `seams` and
@@ -225,21 +214,27 @@ impl Model {
         mark(&mut surfaces, "untouchable", untouchable, Surface::Untouchable)?;
 
         let mut mends = Vec::new();
-        let (faces, vertices) = segments::join(segments, &surfaces, &mut mends)?;
+        let model = Self::of_features(name, segments::join(segments, &surfaces, &mut mends)?, false);
+        Ok(Self { position_slack, normal_slack, mends, ..model })
+    }
+
+    fn of_features(name: String, (faces, vertices): (Vec<Face>, Vec<Vertex>), closed: bool) -> Self {
         let size = largest_distance(&vertices);
         let symmetries = symmetries(&faces, &vertices, size);
-        Ok(Self {
+        let asymmetry = asymmetry(&faces, &vertices, &symmetries);
+        Self {
             name,
             faces,
             vertices,
-            closed: false,
+            closed,
             symmetries,
-            position_slack,
-            normal_slack,
-            mends,
+            position_slack: 0.0,
+            normal_slack: 0.0,
+            mends: Vec::new(),
             size,
+            asymmetry,
             tables: TableCache::default(),
-        })
+        }
     }
 }
 

@@ -27,6 +27,9 @@ pub(crate) struct Polytope {
 /// A cut keeps this share of the scale between itself and each corner: far above rounding (2⁻⁵²), far below τ.
 const GAP: f64 = 1e-13;
 
+/// With more planes than this a polytope is cut no further: each may move corners by rounding.
+const MOST_PLANES: u16 = 400;
+
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -103,7 +106,7 @@ impl Polytope {
     ///
     /// `None`: too many corners to cut any further, which leaves the polytope as it is (sound, only looser).
     fn heights(&self, half_space: &HalfSpace, gap: f64) -> Option<arrayvec::ArrayVec<f64, 128>> {
-        if self.corners.len() > 120 || self.num_planes == u16::MAX {
+        if self.corners.len() > 120 || self.num_planes >= MOST_PLANES {
             return None;
         }
         let mut heights: arrayvec::ArrayVec<f64, 128> =

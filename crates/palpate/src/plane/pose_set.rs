@@ -62,7 +62,7 @@ impl Piece {
         let explained = |(contact, features): (usize, &Vec<Feature>)| {
             features.iter().any(|feature| explains(case, contact, *feature, pose, length, angle))
         };
-        let inside = || self.cells.iter().any(|cell| cell.holds(pose, length, angle));
+        let inside = || self.cells.iter().any(|cell| cell.holds(pose, 0.0, 0.0));
         (!self.bounded || inside())
             && self.features.iter().enumerate().all(explained)
             && case.allows(pose, length)
@@ -163,7 +163,8 @@ impl PoseSet {
         self.witnesses().all(|witness| witness.marginal)
     }
 
-    /// The pose at which the worst reading uses the smallest share of its bounds, to 1/1000.
+    /// The pose at which the worst reading uses the smallest share of its bounds, to 1/1000; where contacts may lie on one of
+    /// several features, with the features that a witness is nearest to.
     #[must_use]
     pub fn largest_slack(&self) -> Pose {
         *self.best.get_or_init(|| {
@@ -177,7 +178,19 @@ impl PoseSet {
 
     /// Bisects the share of the bounds at which the piece still has a pose.
     fn improve(&self, piece: &Piece, best: &mut (f64, Pose)) {
-        let pairs = || piece.features.iter().enumerate().map(|(contact, features)| (contact, features[0]));
+        let Some(witness) = piece.witness else { return };
+        let excess = |contact: usize, feature: Feature| {
+            let site = self.case.site(contact, feature);
+            site.map_or(f64::INFINITY, |site| {
+                self.case.excess(contact, &site, witness.pose, self.case.angle_tolerance)
+            })
+        };
+        let nearest = |(contact, features): (usize, &Vec<Feature>)| {
+            let least = features.iter().min_by(|a, b| excess(contact, **a).total_cmp(&excess(contact, **b)));
+            least.map(|feature| (contact, *feature))
+        };
+        let chosen: Vec<(usize, Feature)> = piece.features.iter().enumerate().filter_map(nearest).collect();
+        let pairs = || chosen.iter().copied();
         let find = |share: f64| {
             let scaled = self.case.scaled(share);
             let pose = self.case.pose(solve::quick_witness(&Conditions::new(&scaled, pairs())?)?.pose);
@@ -283,8 +296,16 @@ impl PoseSet {
             let explained = |pose| {
                 pairs().all(|(contact, feature)| explains(&self.case, contact, feature, pose, length, angle))
             };
-            let known = self.witnesses().find(|witness| explained(witness.pose));
-            known.map(|witness| Witness { marginal: true, ..witness })
+            let mut images = self.witnesses().flat_map(|witness| {
+                let pose = self.case.pose(witness.pose);
+                let image = move |motion: Pose| Witness {
+                    pose: self.case.pivot_pose(pose.compose(motion)),
+                    marginal: true,
+                    ..witness
+                };
+                self.case.model.symmetries.iter().map(move |symmetry| image(symmetry.motion))
+            });
+            images.find(|witness| explained(witness.pose))
         };
         let within_a_piece = || {
             let conditions = conditions.as_ref()?;

@@ -137,7 +137,8 @@ impl Shadow {
         let mut points = Vec::new();
         let cells: Vec<PlacedCell> =
             poses.cells().map(|cell| PlacedCell::new(cell, &model, pivot, outward, &mut points)).collect();
-        let ends = model.faces.iter().map(|face| [face.start, face.end].map(|at| vertex_at(&model, at))).collect();
+        let ends =
+            model.faces.iter().map(|face| [face.start, face.end].map(|at| vertex_at(&model, at))).collect();
         let loops = loops(&model);
         let cones = cones(&model);
         let mut assigned = vec![false; model.faces.len()];
@@ -188,7 +189,9 @@ impl Shadow {
     /// Whether a first contact on the feature breaks a rule.
     fn unwanted(&self, feature: Feature, rules: Rules) -> Option<Fault> {
         match feature {
-            Feature::Face(number) if rules.avoid_assigned && self.assigned[number as usize] => Some(Fault::Assigned),
+            Feature::Face(number) if rules.avoid_assigned && self.assigned[number as usize] => {
+                Some(Fault::Assigned)
+            }
             Feature::Face(_) if !rules.faces => Some(Fault::Kind),
             Feature::Vertex(_) if !rules.vertices => Some(Fault::Kind),
             _ => None,
@@ -241,7 +244,8 @@ impl Shadow {
     ) -> (Option<f64>, Vec<Possible>) {
         let mut possible = Vec::new();
         let reach = allowance.aside + sensor.tip_radius;
-        if seen.iter().all(|seen| seen.aside.low > reach) || seen.iter().all(|seen| seen.aside.high < -reach) {
+        if seen.iter().all(|seen| seen.aside.low > reach) || seen.iter().all(|seen| seen.aside.high < -reach)
+        {
             return (None, possible);
         }
         for number in 0..self.model.faces.len() {
@@ -303,7 +307,12 @@ impl Shadow {
             Surface::Touchable => (incidence.high > limit).then_some(Fault::Skid),
             _ => Some(Fault::Untouchable),
         };
-        (depth.high >= 0.0).then_some(Possible { feature: Feature::Face(number as u32), depth, normals, fault })
+        (depth.high >= 0.0).then_some(Possible {
+            feature: Feature::Face(number as u32),
+            depth,
+            normals,
+            fault,
+        })
     }
 
     /// Depths at which the tip's centre may meet the line of a face, moved out by `radius`, between the face's ends.
@@ -446,7 +455,9 @@ impl Shadow {
             }
         };
         if !self.model.closed {
-            for number in (0..self.model.faces.len()).filter(|k| self.model.faces[*k].surface != Surface::Seam) {
+            for number in
+                (0..self.model.faces.len()).filter(|k| self.model.faces[*k].surface != Surface::Seam)
+            {
                 let [start, end] = self.ends[number];
                 if side(start) * side(end) < 0 {
                     take(farthest(&mut std::iter::once(number)));

@@ -70,7 +70,19 @@ impl Scene {
         }
         let margin = settings.margin * size;
         let (workspace, directions) = (settings.workspace, settings.directions);
-        Self { shadows, views, samples, sensor: *sensor, rules, margin, size, middle, radius, workspace, directions }
+        Self {
+            shadows,
+            views,
+            samples,
+            sensor: *sensor,
+            rules,
+            margin,
+            size,
+            middle,
+            radius,
+            workspace,
+            directions,
+        }
     }
 
     /// Every hypothesis.
@@ -120,7 +132,12 @@ impl Scene {
     }
 
     /// What the members can answer to a line, everything widened by `margin`. Stops at the first that makes it unusable.
-    pub fn outcomes(&self, line: &Line, members: &[usize], margin: f64) -> Result<Vec<Outcome>, Vec<Outcome>> {
+    pub fn outcomes(
+        &self,
+        line: &Line,
+        members: &[usize],
+        margin: f64,
+    ) -> Result<Vec<Outcome>, Vec<Outcome>> {
         let mut outcomes = Vec::with_capacity(members.len());
         for &member in members {
             let shadow = &self.shadows[member];
@@ -141,7 +158,8 @@ impl Scene {
     /// The largest μ, to an eighth of m and at most 64 m, with which the verdict still separates all that it separates
     /// without, and the line stays usable.
     pub fn margin_of(&self, line: &Line, members: &[usize], verdict: &Verdict) -> f64 {
-        let holds = |margin: f64| self.verdict(line, members, margin).is_some_and(|other| other.left == verdict.left);
+        let holds =
+            |margin: f64| self.verdict(line, members, margin).is_some_and(|other| other.left == verdict.left);
         let step = 0.125 * self.margin;
         if step == 0.0 || !holds(step) {
             return 0.0;

@@ -59,7 +59,7 @@ impl Site {
     /// The part of it whose normals fall into `allowed` (model frame).
     pub fn restrict(&self, allowed: Option<Arc>) -> ArrayVec<Self, 2> {
         match (*self, allowed) {
-            (Self::Arc { middle, radius, normals }, Some(allowed)) if radius > 0.0 => normals
+            (Self::Arc { middle, radius, normals }, Some(allowed)) => normals
                 .intersect(allowed)
                 .into_iter()
                 .map(|normals| Self::Arc { middle, radius, normals })

@@ -17,7 +17,7 @@ const FIRST_HALF: f64 = 0.08;
 const MOST_CELLS: u32 = 1 << 16;
 
 /// Cells examined for a witness at most. A set that is neither found nor refuted by then is kept as marginal.
-const MOST_EXAMINED: u32 = 100_000;
+const MOST_EXAMINED: u32 = 200_000;
 
 /// Cells examined for a witness that is welcome but not needed.
 const SOON: u32 = 100;
@@ -67,7 +67,10 @@ pub(crate) fn witness_within(conditions: &Conditions<'_>, cells: &[Cell]) -> Opt
 /// All poses.
 pub(crate) fn solve(conditions: &Conditions<'_>) -> Option<Solution> {
     let witness = witness(conditions)?;
-    Some(Solution { cells: cells(conditions), witness })
+    let cells = cells(conditions);
+    // Nothing is left of the enclosure: that is a certificate, though the search was undecided.
+    let refuted = witness.undecided && cells.is_empty();
+    (!refuted).then_some(Solution { cells, witness })
 }
 
 /// Cells that hold every pose that satisfies the conditions, up to τ.
@@ -129,7 +132,8 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> 
         if !fine {
             let parts = cell.split_by_escapes(conditions, cell.candidate());
             let halves = || split(conditions, &cell, reach).into_iter();
-            let parts = parts.unwrap_or_else(|| halves().filter_map(|part| contracted(conditions, part)).collect());
+            let parts =
+                parts.unwrap_or_else(|| halves().filter_map(|part| contracted(conditions, part)).collect());
             parts.into_iter().for_each(|part| add(&mut open, part));
         }
     }
@@ -160,7 +164,8 @@ fn probe(
         if conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
             return Probe::Found(Witness { pose, marginal: false, undecided: false });
         }
-        if fallback.is_none() && conditions.satisfied(pose, case.length_tolerance, case.angle_tolerance) {
+        let wanted = fallback.is_none_or(|known| known.undecided);
+        if wanted && conditions.satisfied(pose, case.length_tolerance, case.angle_tolerance) {
             *fallback = Some(Witness { pose, marginal: true, undecided: false });
         }
         if !cell.cut_at(conditions, pose) {

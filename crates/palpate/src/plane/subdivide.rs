@@ -18,19 +18,26 @@ use crate::feature::Feature;
 /// A box is left as assignments when there are at most so many.
 const FEW: usize = 4;
 
-/// A box is small when nothing in it moves by more than this share of the smallest bound, or by less, down to the
-/// finest share, as long as there are few boxes.
+/// A box is small when nothing in it moves by more than this share of the largest bound, or by less, down to the finest
+/// share of the smallest bound, as long as there are few boxes. A set that is so large that too many boxes would be needed
+/// is left in larger ones.
 const SMALL: f64 = 0.25;
 const SMALLEST: f64 = 1.0 / 64.0;
 
+/// Division begins with boxes in which things move by this share of the part.
+const FIRST: f64 = 1.0 / 16.0;
+
 /// So many small boxes are enough to describe a set.
 const ENOUGH_BOXES: usize = 1000;
+
+/// So many boxes are not divided once more: each halving makes up to eight of one.
+const TOO_MANY_BOXES: usize = 20_000;
 
 /// Boxes examined at most for a witness of a group of boxes.
 const MOST_SOUGHT: usize = 50_000;
 
 /// Boxes examined at most.
-const MOST_BOXES: u64 = 4_000_000;
+const MOST_BOXES: u64 = 2_000_000;
 
 /// Of the boxes examined for a witness, one in so many is solved for the features nearest to it.
 const SOLVED_EVERY: usize = 32;
@@ -62,8 +69,11 @@ type Options = Vec<Vec<(Feature, Site)>>;
 
 /// Divides the poses with rotations in `rotations`; `features` are those that can be touched, in order.
 pub(crate) fn subdivide(case: &Case, features: &[Feature], rotations: Arc) -> Subdivision {
-    let bound = case.data.iter().map(|datum| datum.bound).fold(f64::INFINITY, f64::min);
-    let mut small = (SMALL * bound).max(0.25 * case.length_tolerance);
+    let largest = case.data.iter().map(|datum| datum.bound).fold(0.0, f64::max);
+    let smallest = case.data.iter().map(|datum| datum.bound).fold(f64::INFINITY, f64::min);
+    let finest = (SMALLEST * smallest).max(0.25 * case.length_tolerance);
+    let wanted = (SMALL * largest).max(finest);
+    let mut small = (FIRST * case.model.size).max(wanted);
     let mut left = Subdivision { complete: true, ..Subdivision::default() };
     let all = Bundle {
         cell: root(case, rotations),
@@ -71,8 +81,11 @@ pub(crate) fn subdivide(case: &Case, features: &[Feature], rotations: Arc) -> Su
         witness: None,
     };
     left.divide(case, all, small);
-    while !left.dense.is_empty() && left.dense.len() < ENOUGH_BOXES && small > SMALLEST * bound {
-        small *= 0.5;
+    while !left.dense.is_empty()
+        && small > finest
+        && left.dense.len() < if small > wanted { TOO_MANY_BOXES } else { ENOUGH_BOXES }
+    {
+        small = (0.5 * small).max(finest);
         for bundle in std::mem::take(&mut left.dense) {
             left.divide(case, bundle, small);
         }
@@ -92,8 +105,10 @@ impl Subdivision {
         while let Some((cell, options)) = stack.pop() {
             self.examined += 1;
             if self.examined > MOST_BOXES {
+                // Kept as it is, so that nothing true is lost.
                 self.complete = false;
-                return;
+                self.dense.push(Bundle::new(cell, &options));
+                continue;
             }
             let Some(options) = restrict(case, &cell, &options) else { continue };
             let assignments = options.iter().map(Vec::len).fold(1_usize, usize::saturating_mul);
@@ -286,8 +301,8 @@ impl Bundle {
         self.features.iter().enumerate().all(explained) && case.allows(pose, length)
     }
 
-    /// Every assignment of the box, at most `most`.
-    pub fn assignments(&self, most: usize) -> Vec<Vec<Feature>> {
+    /// Every assignment of the box.
+    pub fn assignments(&self) -> Vec<Vec<Feature>> {
         let mut assignments = vec![Vec::new()];
         for features in &self.features {
             assignments = assignments
@@ -295,7 +310,6 @@ impl Bundle {
                 .flat_map(|start| {
                     features.iter().map(move |feature| [start.as_slice(), &[*feature]].concat())
                 })
-                .take(most)
                 .collect();
         }
         assignments

@@ -73,6 +73,24 @@ pub(super) fn symmetries(faces: &[Face], vertices: &[Vertex], size: f64) -> Vec<
     group.unwrap_or_default().into_iter().map(symmetry).collect()
 }
 
+/// By how much the symmetries miss: a corner its image, and the normal of a face, radians. What holds for a pose holds for
+/// its images with bounds enlarged by it.
+pub(super) fn asymmetry(faces: &[Face], vertices: &[Vertex], symmetries: &[Symmetry]) -> (f64, f64) {
+    let (mut miss, mut turn) = (0.0_f64, 0.0_f64);
+    for symmetry in symmetries.iter().skip(1) {
+        for (vertex, image) in vertices.iter().zip(&symmetry.vertices) {
+            miss = miss.max(symmetry.motion.apply(vertex.point).distance(vertices[*image as usize].point));
+        }
+        for (face, image) in
+            faces.iter().zip(&symmetry.faces).filter(|(face, _)| face.surface != Surface::Seam)
+        {
+            let image = &faces[*image as usize];
+            turn = turn.max(symmetry.motion.rotation.rotate(face.normal).angle_to(image.normal).abs());
+        }
+    }
+    (miss, turn)
+}
+
 /// By the share `k / order` of a turn, about `center`.
 fn rotation(center: DVec2, k: usize, order: usize) -> Pose {
     if k == 0 {

@@ -102,7 +102,8 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
         let batch: Vec<Lines> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
         num_boxes += batch.len() as u64;
         let enough = best.num_left();
-        let found: Vec<Found> = batch.par_iter().map(|lines| examine(scene, members, &views, lines, enough)).collect();
+        let found: Vec<Found> =
+            batch.par_iter().map(|lines| examine(scene, members, &views, lines, enough)).collect();
         for (lines, found) in batch.into_iter().zip(found) {
             match found {
                 Found::Nothing => {}
@@ -137,7 +138,8 @@ fn examine(scene: &Scene, members: &[usize], views: &[Vec<View>], lines: &Lines,
         None => Found::Nothing,
         Some(left) if !lines.is_smallest(scene) => Found::AtLeast(left),
         Some(_) => {
-            let better = |line: &Line| scene.verdict(line, members, 0.0).is_some_and(|one| one.num_left() < enough);
+            let better =
+                |line: &Line| scene.verdict(line, members, 0.0).is_some_and(|one| one.num_left() < enough);
             scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
         }
     }
@@ -419,4 +421,3 @@ impl Ord for Lines {
         other.left.cmp(&self.left).then(self.number.cmp(&other.number))
     }
 }
-

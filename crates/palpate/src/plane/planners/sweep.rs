@@ -81,7 +81,9 @@ fn proposals(scene: &Scene, members: &[usize], count: usize) -> Vec<Proposal> {
         in_direction(scene, members.len(), &pieces, angle, &mut kinds);
     }
     let mut all: Vec<Proposal> = kinds.into_values().flatten().collect();
-    all.sort_by(|a, b| a.left.cmp(&b.left).then(b.width.total_cmp(&a.width)).then(a.angle.total_cmp(&b.angle)));
+    all.sort_by(|a, b| {
+        a.left.cmp(&b.left).then(b.width.total_cmp(&a.width)).then(a.angle.total_cmp(&b.angle))
+    });
     all
 }
 
@@ -101,7 +103,8 @@ fn pieces(scene: &Scene, members: &[usize], angle: f64) -> Vec<Piece> {
             }
             let ends = [face.start, face.end].map(|end| pose.apply(end) + radius * normal - scene.middle);
             let ends = ends.map(|end| (aside.dot(end), along.dot(end)));
-            let (first, second) = if ends[0].0 <= ends[1].0 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
+            let (first, second) =
+                if ends[0].0 <= ends[1].0 { (ends[0], ends[1]) } else { (ends[1], ends[0]) };
             let width = second.0 - first.0;
             if width <= 0.0 {
                 continue;
@@ -127,7 +130,12 @@ fn pieces(scene: &Scene, members: &[usize], angle: f64) -> Vec<Piece> {
 }
 
 /// The tip's circles around vertices, as if flat at their nearest points: what a line should keep away from.
-fn round_pieces(scene: &Scene, place: usize, member: usize, along: DVec2) -> impl Iterator<Item = Piece> + '_ {
+fn round_pieces(
+    scene: &Scene,
+    place: usize,
+    member: usize,
+    along: DVec2,
+) -> impl Iterator<Item = Piece> + '_ {
     let pose = scene.views[member][0];
     let radius = scene.sensor.tip_radius;
     scene.shadows[member].model().vertices.iter().enumerate().map(move |(number, vertex)| {
@@ -224,7 +232,10 @@ impl Scene {
             (None, None) => true,
             (Some(a), Some(b)) => {
                 (a.0 - b.0).abs() + depth <= 2.0 * self.sensor.position_error
-                    && self.sensor.normal_error.is_none_or(|error| wrap(a.1 - b.1).abs() + angle <= 2.0 * error)
+                    && self
+                        .sensor
+                        .normal_error
+                        .is_none_or(|error| wrap(a.1 - b.1).abs() + angle <= 2.0 * error)
             }
             _ => false,
         }
