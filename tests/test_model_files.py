@@ -307,7 +307,7 @@ def test_svg_shapes_transforms_and_uses(tmp_path):
     assert extent(upright) == pytest.approx([95, -60, 105, -40])
     assert extent(tile) == pytest.approx([150, -30, 170, -20])
     assert disc.name == "drawing-1"
-    assert disc.mends == ["left out: 1 text"]
+    assert disc.mends == ["left out: 1 rect with display: none", "left out: 1 text"]
 
 
 def test_skewed_arcs_stay_on_their_ellipse(tmp_path):

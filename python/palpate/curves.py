@@ -20,6 +20,8 @@ _REFINEMENTS = 3
 # A piece this small, as a share of the tolerance, is a corner: it turns, but has no length to be touched on.
 _CORNER_SHARE = 1e-3
 _MOST_CHORDS = 20_000
+# Drawn chords are thinned if they are no longer than this many times the tolerance.
+_FINE = 10.0
 
 
 class CurveError(ValueError):
@@ -46,6 +48,152 @@ class Piece:
     """Largest distance of the curve from its chords."""
     normal_slack: float = 0.0
     """Largest angle between the curve's normals and its chords', radians."""
+    layer: str = ""
+    """Of the drawing; empty if it has none."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether it ends where it begins."""
+        return len(self.points) > 2 and bool(np.all(self.points[0] == self.points[-1]))
+
+    @property
+    def extent(self) -> float:
+        """The longer side of the box around it."""
+        return float(np.max(np.ptp(self.points, axis=0)))
+
+    @property
+    def length(self) -> float:
+        """Of all its chords."""
+        return float(np.sum(np.hypot(*np.diff(self.points, axis=0).T)))
+
+
+@dataclass(frozen=True)
+class Chords:
+    """A run of chords, each with its own slacks."""
+
+    points: Array
+    """Shape `(n, 2)`, the models' unit."""
+    position: Array
+    """Largest distance of what was drawn from each chord, shape `(n - 1,)`."""
+    normal: Array
+    """Largest angle between its normals and each chord's, radians, shape `(n - 1,)`."""
+
+    @classmethod
+    def of(cls, piece: Piece) -> Chords:
+        """The chords of a piece."""
+        count = len(piece.points) - 1
+        return cls(piece.points, np.full(count, piece.position_slack), np.full(count, piece.normal_slack))
+
+    @classmethod
+    def joined(cls, runs: list[Chords]) -> Chords:
+        """One run; each begins where the one before it ends."""
+        points = np.concatenate([runs[0].points, *(run.points[1:] for run in runs[1:])])
+        return cls(
+            points,
+            np.concatenate([run.position for run in runs]),
+            np.concatenate([run.normal for run in runs]),
+        )
+
+    @property
+    def lengths(self) -> Array:
+        """Of each chord."""
+        return np.asarray(np.hypot(*np.diff(self.points, axis=0).T))
+
+    def reversed(self) -> Chords:
+        """The same run from its end to its start."""
+        return Chords(self.points[::-1], self.position[::-1], self.normal[::-1])
+
+    def with_ends(self, start: Array, end: Array, *, turn: float) -> tuple[Chords, float]:
+        """The run from `start` to `end`, and how far its ends were from there.
+
+        Its ends move there, and the slacks of their chords say so. Where that would turn one of them by more
+        than `turn`, a chord of its own is put before and behind the run instead.
+        """
+        gaps = np.hypot(*(np.stack([start, end]) - self.points[[0, -1]]).T)
+        if not np.any(gaps):
+            return self, 0.0
+        points = self.points.copy()
+        points[0], points[-1] = start, end
+        turned = _angles(np.diff(self.points, axis=0), np.diff(points, axis=0))
+        if np.max(turned) <= turn:
+            moved = np.zeros(len(turned))
+            moved[0], moved[-1] = gaps
+            if len(moved) == 1:
+                moved[0] = np.max(gaps)
+            return Chords(points, self.position + moved, self.normal + turned), float(np.max(gaps))
+        points = np.concatenate([start[None], self.points, end[None]])
+        position = np.concatenate([gaps[:1], self.position, gaps[1:]])
+        keep = np.concatenate([gaps[:1] > 0.0, np.full(len(self.position), True), gaps[1:] > 0.0])
+        normal = np.concatenate([[0.0], self.normal, [0.0]])
+        kept_points = np.concatenate([points[:1], points[1:][keep]])
+        return Chords(kept_points, position[keep], normal[keep]), float(np.max(gaps))
+
+
+def thinned(chords: Chords, tolerance: Tolerance) -> Chords:
+    """The run with fewer points where it is drawn in finer chords than curves are made into.
+
+    Chords longer than `_FINE` times the tolerance stay as they are drawn. Others make way for one chord as
+    long as all of them, and the curves they stand for, keep the tolerance; its slacks include what they miss.
+    """
+    fine = chords.lengths <= _FINE * tolerance.distance
+    if not np.any(fine[1:] & fine[:-1]):
+        return chords
+    chords = _from_corner(chords, fine)
+    fine = chords.lengths <= _FINE * tolerance.distance
+    # Of each chord, where the fine ones from there on end.
+    coarse = np.append(np.flatnonzero(~fine), len(fine))
+    ends = coarse[np.searchsorted(coarse, np.arange(len(fine)))]
+    kept, position, normal = [0], list[float](), list[float]()
+    while (first := kept[-1]) < len(fine):
+        last, (distance, turn) = _longest(
+            chords, first, max(int(ends[first]), first + 1), tolerance=tolerance
+        )
+        kept.append(last)
+        position.append(distance)
+        normal.append(turn)
+    return Chords(chords.points[kept], np.array(position), np.array(normal))
+
+
+def _from_corner(chords: Chords, fine: NDArray[np.bool_]) -> Chords:
+    """A closed run begun anew at a long chord or its sharpest corner, so that no run of fine ones is cut."""
+    points = chords.points
+    if not np.all(points[0] == points[-1]) or not (fine[0] and fine[-1]):
+        return chords
+    along = np.diff(points, axis=0)
+    turns = _angles(np.roll(along, 1, axis=0), along)
+    turns[~(fine & np.roll(fine, 1))] += math.tau
+    first = int(np.argmax(turns))
+    around = np.append(np.roll(points[:-1], -first, axis=0), points[first][None], axis=0)
+    return Chords(around, np.roll(chords.position, -first), np.roll(chords.normal, -first))
+
+
+def _longest(
+    chords: Chords, first: int, end: int, *, tolerance: Tolerance
+) -> tuple[int, tuple[float, float]]:
+    """How far a chord from point `first` may reach, at most to `end`; with its slacks."""
+    good, slacks = first + 1, (float(chords.position[first]), float(chords.normal[first]))
+    step, bad = 1, end + 1
+    while bad - good > 1:
+        last = min(good + step, bad - 1)
+        found = _slacks_of(chords, first, last)
+        if found[0] <= tolerance.distance and found[1] <= tolerance.turn:
+            good, slacks, step = last, found, 2 * step
+        else:
+            bad, step = last, max(1, (last - good) // 2)
+    return good, slacks
+
+
+def _slacks_of(chords: Chords, first: int, last: int) -> tuple[float, float]:
+    """What one chord from point `first` to point `last` misses."""
+    points = chords.points[first : last + 1]
+    chord = points[-1] - points[0]
+    length = float(np.hypot(*chord))
+    if length == 0.0:
+        return math.inf, math.inf
+    distances = np.abs(_cross(points - points[0], chord)) / length
+    turns = _angles(np.diff(points, axis=0), chord)
+    distance = np.max(np.maximum(distances[1:], distances[:-1]) + chords.position[first:last])
+    return float(distance), float(np.max(turns + chords.normal[first:last]))
 
 
 def line(*points: ArrayLike) -> Piece:
@@ -71,14 +219,20 @@ def elliptic_arc(
     skew = max(abs(axis_x @ axis_y), abs(axis_x @ axis_x - axis_y @ axis_y))
     is_circle = skew <= 1e-9 * (axis_x @ axis_x)
     count = max(1, math.ceil(abs(sweep) / (math.pi / 2)))
+    if is_circle:
+        # The sagitta of half a step `h` is `radius * (1 - cos(h))`, and the chord turns by `h` at its ends.
+        sagitta = min(1.0, tolerance.distance / max(float(np.hypot(*axis_x)), np.finfo(float).tiny))
+        half_step = min(math.pi / 4, tolerance.turn, 2.0 * math.asin(math.sqrt(0.5 * sagitta)))
+        _check_count(0.5 * abs(sweep) / half_step)
+        count = max(count, math.ceil(0.5 * abs(sweep) / half_step - 1e-9))
     t = start + sweep * np.linspace(0.0, 1.0, count + 1)
     while True:
         points, distances, turns = _arc_chords(frame, t)
         too_long = (distances > tolerance.distance) | (turns > tolerance.turn)
         if not too_long.any():
             break
-        if is_circle:  # all steps alike: the fewest that do
-            count += max(1, count // 16)
+        if is_circle:  # all steps alike: the fewest that do, but for rounding
+            count += max(1, count // 256)
             t = start + sweep * np.linspace(0.0, 1.0, count + 1)
         else:
             t = np.insert(t, np.flatnonzero(too_long) + 1, 0.5 * (t[1:] + t[:-1])[too_long])
@@ -151,12 +305,40 @@ def spline(controls: Array, knots: Array, *, tolerance: Tolerance) -> list[Piece
     return [bezier(controls[first : first + degree + 1], tolerance=tolerance) for first in firsts]
 
 
+def closed_run(pieces: list[Piece], *, join: float) -> list[Piece]:
+    """The pieces of a polyline that comes back to its start, as one; as they are, if they do not meet."""
+    pieces = [piece for piece in pieces if piece.length > 0.0]
+    if len(pieces) < 2:
+        return pieces
+    runs = _one_way(pieces)
+    for run, after in zip(runs, [*runs[1:], runs[0]], strict=True):
+        # An arc ends where the next piece begins, up to rounding.
+        if math.dist(run[-1], after[0]) > min(1e-6 * join, 1e-6 * math.dist(run[-1], run[-2])):
+            return pieces
+        run[-1] = after[0]
+    points = np.concatenate([runs[0], *(run[1:] for run in runs[1:])])
+    slacks = (max(piece.position_slack for piece in pieces), max(piece.normal_slack for piece in pieces))
+    return [Piece(points, *slacks, layer=pieces[0].layer)]
+
+
+def _one_way(pieces: list[Piece]) -> list[Array]:
+    """The points of consecutive pieces, turned so that each begins where the one before it ends."""
+    first, after = pieces[0].points, pieces[1].points
+    to_start = min(math.dist(first[0], after[0]), math.dist(first[0], after[-1]))
+    to_end = min(math.dist(first[-1], after[0]), math.dist(first[-1], after[-1]))
+    runs = [first[::-1].copy() if to_start < to_end else first.copy()]
+    for piece in pieces[1:]:
+        turned = math.dist(runs[-1][-1], piece.points[-1]) < math.dist(runs[-1][-1], piece.points[0])
+        runs.append(piece.points[::-1].copy() if turned else piece.points.copy())
+    return runs
+
+
 def _check_finite(numbers: Array) -> None:
     if not np.all(np.isfinite(numbers)):
         raise CurveError("a coordinate is not finite; draw the part anew or delete the damaged line")
 
 
-def _check_count(count: int) -> None:
+def _check_count(count: float) -> None:
     if count > _MOST_CHORDS:
         raise CurveError(f"a curve needs more than {_MOST_CHORDS} chords; raise flattening or turn_deg")
 

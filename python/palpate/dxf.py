@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
 from palpate.contacts.entry import refuse
-from palpate.curves import Array, CurveError, Piece, Tolerance, elliptic_arc, line, spline
+from palpate.curves import Array, CurveError, Piece, Tolerance, closed_run, elliptic_arc, line, spline
 from palpate.outlines import Drawing
 
 # Millimetres per unit of $INSUNITS; 0 is "no unit".
@@ -20,28 +21,47 @@ _MM_PER_INSUNIT = {
     11: 1e-7, 12: 1e-6, 13: 1e-3, 14: 100.0, 15: 1e4, 16: 1e5,
 }  # fmt: skip
 
-_SPLIT = ("LWPOLYLINE", "POLYLINE")
+_FROZEN = "on a frozen layer"
 
 
 @dataclass
 class _Reader:
     scale: float
     tolerance: Tolerance
+    shows: Callable[[str], str]
+    """Why a layer is not read; empty if it is."""
     pieces: list[Piece] = field(default_factory=list[Piece])
     left_out: Counter[str] = field(default_factory=Counter[str])
+    heights: list[float] = field(default_factory=list[float])
 
-    def read(self, entity: Any) -> None:
-        kind = entity.dxftype()
-        if kind == "INSERT":
-            for copy in entity.multi_insert() if entity.mcount > 1 else [entity]:
-                self.read_all(copy.virtual_entities())
-        elif kind in _SPLIT and not (
-            kind == "POLYLINE" and (entity.is_polygon_mesh or entity.is_poly_face_mesh)
+    def read_all(self, entities: Any, layer: str = "0") -> None:
+        """Entities of the drawing, or those of a block that is inserted on `layer`."""
+        for entity in entities:
+            kind = entity.dxftype()
+            # Kinds that the library does not know have no attributes at all.
+            own = entity.dxf.layer if entity.dxf.is_supported("layer") else "0"
+            on = layer if own == "0" else own
+            why = self.shows(on)
+            if kind == "INSERT" and why != _FROZEN:
+                for copy in entity.multi_insert() if entity.mcount > 1 else [entity]:
+                    self.read_all(copy.virtual_entities(), on)
+            elif why:
+                self.left_out[f"{kind} {why}"] += 1
+            elif entity.dxf.is_supported("invisible") and entity.dxf.get("invisible", 0):
+                self.left_out[f"{kind} that is invisible"] += 1
+            else:
+                first = len(self.pieces)
+                self.read(entity, kind)
+                self.pieces[first:] = [replace(piece, layer=on) for piece in self.pieces[first:]]
+
+    def read(self, entity: Any, kind: str) -> None:
+        if kind == "LWPOLYLINE" or (
+            kind == "POLYLINE" and not (entity.is_polygon_mesh or entity.is_poly_face_mesh)
         ):
-            self.read_all(entity.virtual_entities())
+            self.read_polyline(entity, kind)
         elif kind == "LINE":
-            start, end = entity.dxf.start, entity.dxf.end
-            self.pieces.append(line(*((p.x * self.scale, p.y * self.scale) for p in (start, end))))
+            self.check_flat(kind, entity.dxf.start, entity.dxf.end)
+            self.pieces.append(line(self.place(entity.dxf.start), self.place(entity.dxf.end)))
         elif kind in ("ARC", "CIRCLE", "ELLIPSE"):
             self.read_arc(entity, kind)
         elif kind == "SPLINE":
@@ -49,9 +69,33 @@ class _Reader:
         else:
             self.left_out[kind] += 1
 
-    def read_all(self, entities: Any) -> None:
-        for entity in entities:
-            self.read(entity)
+    def read_polyline(self, entity: Any, kind: str) -> None:
+        first = len(self.pieces)
+        for part in entity.virtual_entities():
+            self.read(part, part.dxftype())
+        pieces = self.pieces[first:]
+        closed = entity.closed if kind == "LWPOLYLINE" else entity.is_closed
+        comes_back = len(pieces) > 2 and any(
+            np.all(pieces[0].points[0] == end) for end in pieces[-1].points[[0, -1]]
+        )
+        if closed or comes_back:
+            self.pieces[first:] = closed_run(pieces, join=self.tolerance.distance)
+
+    def check_flat(self, kind: str, *points: Any) -> None:
+        heights = [self.scale * point.z for point in points]
+        if not all(map(math.isfinite, heights)):
+            raise CurveError("a coordinate is not finite; draw the part anew or delete the damaged line")
+        if max(heights) - min(heights) > self.tolerance.distance:
+            low, high = min(heights), max(heights)
+            self.refuse_tilted(kind, points[0], f"its z goes from {low:.6g} to {high:.6g}")
+        self.heights += heights
+
+    def refuse_tilted(self, kind: str, place: Any, what: str) -> NoReturn:
+        x, y = self.place(place)
+        raise CurveError(
+            f"the {kind} at ({x:.6g}, {y:.6g}) is not parallel to the plane of the drawing: {what}; "
+            "draw the part flat in x and y, or name its layers with layers="
+        )
 
     def read_arc(self, entity: Any, kind: str) -> None:
         dxf = entity.dxf
@@ -69,9 +113,7 @@ class _Reader:
             start, end = (
                 math.radians(a) for a in ((0, 360) if kind == "CIRCLE" else (dxf.start_angle, dxf.end_angle))
             )
-        if any(abs(axis.z) > 1e-9 * axis.magnitude for axis in (axis_x, axis_y)):
-            self.left_out[f"{kind} that is not parallel to the plane"] += 1
-            return
+        self.check_flat(kind, center, center + axis_x, center + axis_y)
         sweep = (end - start) % math.tau
         if sweep < 1e-9:
             sweep = math.tau
@@ -81,6 +123,7 @@ class _Reader:
     def read_spline(self, entity: Any) -> None:
         tool = entity.construction_tool()
         points = self.scale * np.array([(p.x, p.y) for p in tool.control_points])
+        self.check_flat("SPLINE", *tool.control_points)
         weights = np.array(tool.weights() or [1.0] * len(points), dtype=float)
         if np.any(weights <= 0.0):
             raise CurveError("a SPLINE has a weight that is not positive; draw it with arcs and polylines")
@@ -91,7 +134,9 @@ class _Reader:
         return self.scale * np.array([vector.x, vector.y])
 
 
-def read_dxf(path: Path, *, mm_per_unit: float, unit: str, tolerance: Tolerance) -> Drawing:
+def read_dxf(
+    path: Path, *, mm_per_unit: float, unit: str, tolerance: Tolerance, layers: Sequence[str] | None = None
+) -> Drawing:
     """The lines and curves of a DXF file.
 
     Args:
@@ -99,33 +144,52 @@ def read_dxf(path: Path, *, mm_per_unit: float, unit: str, tolerance: Tolerance)
         mm_per_unit: Of the models' unit.
         unit: Its name; taken for the drawing's where the drawing names none.
         tolerance: For curves.
+        layers: Names of those to read; else all that are shown.
 
     Raises:
-        ValueError: If it is no DXF file, or its unit is not known.
+        ValueError: If it is no DXF file, its unit is not known, or a layer is not in it.
     """
     notes: list[str] = []
+    document = _document(path, notes)
+    scale = _scale(document, path.name, mm_per_unit, unit, notes)
+    reader = _Reader(scale, tolerance, _shown(document, path.name, layers))
     try:
-        document = _document(path, notes)
-    except Exception as error:  # on damaged files the library raises whatever comes up, assertions included
-        _refuse_unreadable(path, error)
-    reader = _Reader(_scale(document, path.name, mm_per_unit, unit, notes), tolerance)
-    try:
-        off = {layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()}
-        for entity in document.modelspace():
-            # Kinds that the library does not know have no attributes at all.
-            layer = entity.dxf.layer if entity.dxf.is_supported("layer") else "0"
-            if layer.lower() in off:
-                reader.left_out[f"{entity.dxftype()} on a hidden layer"] += 1
-            else:
-                reader.read(entity)
+        reader.read_all(document.modelspace())
     except CurveError:
         raise
     except RecursionError:
         refuse(path.name, "its blocks contain each other", "explode the blocks in the CAD program")
-    except Exception as error:
-        _refuse_unreadable(path, error)
+    except Exception:  # the library may find the damage only now
+        _refuse_unreadable(path)
     notes += [f"left out: {count} {kind}" for kind, count in sorted(reader.left_out.items())]
-    return Drawing(reader.pieces, notes)
+    if reader.heights and max(reader.heights) - min(reader.heights) > tolerance.distance:
+        low, high = min(reader.heights), max(reader.heights)
+        notes.append(f"lines at different heights, z from {low:.6g} to {high:.6g}, read as one plane")
+    if not reader.pieces and any(
+        len(document.layout(name)) for name in document.layout_names() if name != "Model"
+    ):
+        notes.append("what is drawn in paper space is not read: draw it in model space")
+    return Drawing(reader.pieces, notes, layered=True)
+
+
+def _shown(document: Any, name: str, layers: Sequence[str] | None) -> Callable[[str], str]:
+    frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
+    off = {layer.dxf.name.lower() for layer in document.layers if layer.is_off()}
+    wanted = None if layers is None else {layer.lower() for layer in layers}
+    names = {layer.dxf.name.lower(): layer.dxf.name for layer in document.layers}
+    names |= {e.dxf.layer.lower(): e.dxf.layer for e in document.entitydb.values() if e.dxf.hasattr("layer")}
+    for layer in sorted((wanted or set()) - set(names)):
+        refuse(name, f"there is no layer {layer!r}", f"give some of {', '.join(sorted(names.values()))}")
+
+    def why_not(layer: str) -> str:
+        layer = layer.lower()
+        if layer in frozen:
+            return _FROZEN
+        if layer in off:
+            return "on a hidden layer"
+        return "" if wanted is None or layer in wanted else "on a layer that is not named"
+
+    return why_not
 
 
 def _document(path: Path, notes: list[str]) -> Any:
@@ -134,16 +198,31 @@ def _document(path: Path, notes: list[str]) -> Any:
     from ezdxf.lldxf.const import DXFStructureError
 
     try:
-        return ezdxf.readfile(path)
-    except (DXFStructureError, UnicodeDecodeError):
-        document, auditor = recover.readfile(path)
-        notes.append(f"the file was damaged: {len(auditor.errors) + len(auditor.fixes)} place(s) mended")
-        return document
+        try:
+            document = ezdxf.readfile(path)
+        except (DXFStructureError, UnicodeDecodeError):
+            document, auditor = recover.readfile(path)
+            mended = len(auditor.errors) + len(auditor.fixes)
+            count = f"{mended} place(s) mended" if mended else "what could be read is read"
+            notes.append(f"the file was damaged, {count}: compare the picture with the drawing")
+    except OSError as error:
+        if error.errno is not None:
+            raise
+        _refuse_unreadable(path)
+    except Exception:  # on damaged files the library raises whatever comes up, assertions included
+        _refuse_unreadable(path)
+    text = path.read_bytes()
+    if not text.startswith(b"AutoCAD Binary DXF") and not text.rstrip(b"\x00\x1a \r\n\t").endswith(b"EOF"):
+        refuse(path.name, "it is cut off: the last line is not EOF", "export or copy it again")
+    return document
 
 
-def _refuse_unreadable(path: Path, error: Exception) -> NoReturn:
-    reason = " ".join(str(error).split()) or type(error).__name__
-    refuse(path.name, f"not a readable DXF file: {reason}", "export it again as DXF, version 2000 or later")
+def _refuse_unreadable(path: Path) -> NoReturn:
+    refuse(
+        path.name,
+        "not a readable DXF file: it is damaged, or of another kind",
+        "export it again as DXF, version 2000 or later",
+    )
 
 
 def _scale(document: Any, name: str, mm_per_unit: float, unit: str, notes: list[str]) -> float:  # noqa: PLR0917

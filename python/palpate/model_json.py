@@ -106,6 +106,8 @@ def _checked_top(name: str, document: Any) -> dict[str, Any]:
         if key not in _KEYS:
             refuse(f"{name}: {key}", "unknown key", f"the keys here are {', '.join(_KEYS)}")
     for key, example in (("name", '"bracket"'), ("unit", '"mm"')):
+        if key not in top:
+            refuse(f"{name}: {key}", "is missing", f'say, for example, "{key}": {example}')
         if not isinstance(top.get(key), str):
             refuse(
                 f"{name}: {key}",

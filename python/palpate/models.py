@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +21,14 @@ from palpate._core import Model
 from palpate.contacts.entry import MM_PER_UNIT, mm_per, refuse
 from palpate.curves import CurveError, Tolerance
 from palpate.model_json import document_of, parse_model
-from palpate.outlines import Drawing, Shape, shapes_of
+from palpate.outlines import Drawing, OutlineError, Shape, shapes_of
 from palpate.parts import part_names, part_path
 
 SUFFIXES = (".json", ".dxf", ".svg")
 
 _FLATTENING_MM = 0.05
+# As a share of the drawing.
+_LARGEST_FLATTENING = 0.1
 
 
 def load_models(
@@ -34,6 +37,7 @@ def load_models(
     unit: str = "mm",
     flattening: float | None = None,
     turn_deg: float = 7.5,
+    layers: Sequence[str] | None = None,
 ) -> list[Model]:
     """Models of files, folders and bundled parts, in this order; a folder's files by name.
 
@@ -43,6 +47,7 @@ def load_models(
         flattening: How far chords may be from their curves, and ends that are to be joined from each other,
             in `unit`. Else 0.05 mm.
         turn_deg: How far the normals of chords may be from those of the curves, degrees.
+        layers: Names of the DXF layers to read; else all that are shown.
 
     Raises:
         ValueError: If a file is missing, malformed, of an unknown kind or without an outline; names it.
@@ -57,16 +62,36 @@ def load_models(
         )
     if not 0.0 < turn_deg <= 45.0:
         refuse("turn_deg", f"{turn_deg!r} is not above 0 and at most 45", "give, for example, 7.5")
-    tolerance = Tolerance(distance, math.radians(turn_deg))
-    given = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    if isinstance(layers, str) or (layers is not None and not all(isinstance(name, str) for name in layers)):
+        refuse("layers", f"{layers!r} is not a list of names", 'give, for example, ["PART"]')
+    options = _Options(unit, Tolerance(distance, math.radians(turn_deg)), layers)
+    given = _given(paths)
     if not given:
         refuse("paths", "no model is named", f"name a file, a folder or one of {', '.join(part_names())}")
-    return [
-        model
-        for path in given
-        for file in _files(path)
-        for model in _load(file, unit=unit, tolerance=tolerance)
-    ]
+    return [model for path in given for file in _files(path) for model in _load(file, options)]
+
+
+@dataclass(frozen=True)
+class _Options:
+    """How files are read."""
+
+    unit: str
+    tolerance: Tolerance
+    layers: Sequence[str] | None
+
+
+def _given(paths: str | Path | Sequence[str | Path]) -> list[str | Path]:
+    given: list[Any] = [paths]
+    if not isinstance(paths, (str, Path)):
+        given = list(paths) if isinstance(paths, Iterable) else given
+    for path in given:
+        if not isinstance(path, (str, Path)):
+            refuse(
+                "paths",
+                f"{path!r} is not the name of a file",
+                "give names of files, folders or bundled parts",
+            )
+    return given
 
 
 def save_model(model: Model, path: str | Path, *, unit: str = "mm") -> None:
@@ -124,41 +149,71 @@ def _is_of_another_kind(file: Path) -> bool:
     return isinstance(schema, str) and schema.startswith("palpate-") and schema != "palpate-model"
 
 
-def _load(file: Path, *, unit: str, tolerance: Tolerance) -> list[Model]:
+def _load(file: Path, options: _Options) -> list[Model]:
     try:
         if file.suffix.lower() == ".json":
-            arguments = parse_model(file.name, _text_of(file), mm_per_unit=MM_PER_UNIT[unit])
+            arguments = parse_model(file.name, _text_of(file), mm_per_unit=MM_PER_UNIT[options.unit])
             return [_model(file.name, arguments)]
-        return _load_drawing(file, unit=unit, tolerance=tolerance)
+        return _load_drawing(file, options)
     except OSError as error:
         refuse(file.name, f"can't be read: {error.strerror}", "check the file's permissions")
 
 
-def _load_drawing(file: Path, *, unit: str, tolerance: Tolerance) -> list[Model]:
+def _load_drawing(file: Path, options: _Options) -> list[Model]:
     try:
-        drawing = _drawing(file, unit=unit, tolerance=tolerance)
-    except CurveError as error:
+        drawing = _drawing(file, options)
+        _check_size(drawing, options)
+        shapes = shapes_of(drawing, tolerance=options.tolerance)
+    except (CurveError, OutlineError) as error:
         raise ValueError(f"{file.name}: {error}") from None
-    shapes = shapes_of(drawing.pieces, join=tolerance.distance)
     if not shapes:
         said = "".join(f" ({note})" for note in drawing.notes)
         refuse(file.name, f"no outline in it{said}", "draw the part with lines, arcs and curves")
     names = [file.stem] if len(shapes) == 1 else [f"{file.stem}-{k}" for k in range(1, len(shapes) + 1)]
-    return [
-        _model(file.name, _arguments_of(shape) | {"name": name, "mends": [*drawing.notes, *shape.notes]})
-        for name, shape in zip(names, shapes, strict=True)
-    ]
+    try:
+        return [
+            _model(file.name, _arguments_of(shape) | {"name": name, "mends": [*drawing.notes, *shape.notes]})
+            for name, shape in zip(names, shapes, strict=True)
+        ]
+    except ValueError as error:
+        if len({piece.layer for piece in drawing.pieces}) < 2:
+            raise
+        raise ValueError(f"{error}; or name the layers of the part with layers=") from None
 
 
-def _drawing(file: Path, *, unit: str, tolerance: Tolerance) -> Drawing:
-    mm_per_unit = MM_PER_UNIT[unit]
-    if file.suffix.lower() == ".svg":
-        from palpate.svg import read_svg
+def _check_size(drawing: Drawing, options: _Options) -> None:
+    """Refuses a flattening that would swallow the drawing, as one in another unit does."""
+    if not drawing.pieces:
+        return
+    points = np.concatenate([piece.points for piece in drawing.pieces])
+    size = float(np.max(np.ptp(points, axis=0)))
+    flattening = options.tolerance.distance
+    if flattening > _LARGEST_FLATTENING * size > 0.0:
+        raise OutlineError(
+            f"flattening: {flattening:g} {options.unit} is not small against the drawing, which is "
+            f"{size:.3g} {options.unit} across; give, for example, {1e-3 * size:.1g}"
+        )
 
-        return read_svg(file, mm_per_unit=mm_per_unit, tolerance=tolerance)
-    from palpate.dxf import read_dxf
 
-    return read_dxf(file, mm_per_unit=mm_per_unit, unit=unit, tolerance=tolerance)
+def _drawing(file: Path, options: _Options) -> Drawing:
+    mm_per_unit = MM_PER_UNIT[options.unit]
+    # What overflows is refused with its place; numpy need not warn as well.
+    with np.errstate(all="ignore"):
+        if file.suffix.lower() == ".svg":
+            if options.layers is not None:
+                refuse("layers", f"{file.name} is an SVG, which has none", "leave layers= out, or give a DXF")
+            from palpate.svg import read_svg
+
+            return read_svg(file, mm_per_unit=mm_per_unit, tolerance=options.tolerance)
+        from palpate.dxf import read_dxf
+
+        return read_dxf(
+            file,
+            mm_per_unit=mm_per_unit,
+            unit=options.unit,
+            tolerance=options.tolerance,
+            layers=options.layers,
+        )
 
 
 def _arguments_of(shape: Shape) -> dict[str, Any]:

@@ -1,12 +1,28 @@
-"""Drawn pieces joined to outlines, and outlines sorted into parts."""
+"""Drawn pieces joined to outlines, and outlines sorted into parts.
+
+The pieces are edges of a graph whose nodes are their ends. What lies on no closed run (a bridge of the graph)
+can't be outline beside closed ones. What is left must be plain loops: else it is not clear which are meant.
+"""
 
 from __future__ import annotations
 
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from palpate.curves import Array, Piece
+from palpate.curves import Array, Chords, Piece, Tolerance, thinned
+
+# An open run that misses closing by less than this share of its length was meant to be closed.
+_NEARLY_CLOSED = 0.02
+# A rectangle around a single thing that fills this share of it may be the frame of the sheet.
+_FRAME_SHARE = 0.4
+
+
+class OutlineError(ValueError):
+    """Lines of which no outline can be made without guessing."""
 
 
 @dataclass
@@ -15,6 +31,8 @@ class Drawing:
 
     pieces: list[Piece] = field(default_factory=list[Piece])
     notes: list[str] = field(default_factory=list[str])
+    layered: bool = False
+    """Whether `layers=` can choose among the pieces."""
 
 
 @dataclass
@@ -30,184 +48,572 @@ class Shape:
     """What was mended or left out."""
 
 
-@dataclass(frozen=True)
-class _Chain:
-    piece: Piece
-    closed: bool
+@dataclass
+class _Run:
+    """Pieces end to end."""
+
+    chords: Chords
+    layers: Counter[str]
+    gap: float = 0.0
+    """Largest distance between ends that were joined."""
+
+    @property
+    def points(self) -> Array:
+        return self.chords.points
+
+    @property
+    def count(self) -> int:
+        """Of its pieces."""
+        return self.layers.total()
 
 
-def shapes_of(pieces: list[Piece], *, join: float) -> list[Shape]:
-    """The parts that `pieces` draw, from left to right.
+def shapes_of(drawing: Drawing, *, tolerance: Tolerance) -> list[Shape]:
+    """The parts that a drawing shows, from left to right.
 
-    Ends closer than `join` are one. What is closed is an outline, or a hole of the one around it. Where
-    nothing is closed, all of it is one part of loose faces, outward on their right. None if there is nothing.
+    Ends closer than `tolerance.distance` are one. What is closed is an outline, or a hole of that around it.
+    Where nothing is closed, all of it is one part of loose faces, outward on their right. None if there is
+    nothing.
+
+    Raises:
+        OutlineError: If lines branch so that it is not clear which are the outline, or an outline is open.
     """
     notes: list[str] = []
-    chains = _chains(_distinct(pieces, join, notes), join, notes)
-    closed = [chain.piece for chain in chains if chain.closed]
-    open_ = [chain.piece for chain in chains if not chain.closed]
-    if closed:
+    remedy = "name the layers of the part with layers=, or delete" if drawing.layered else "delete"
+    pieces = _drawn(drawing.pieces, tolerance.distance, notes)
+    loops, open_ = _runs(pieces, tolerance, remedy)
+    if loops:
+        loops = _without_doubles(loops, tolerance.distance, notes)
         if open_:
-            notes.append(f"{len(open_)} open line(s) left out, since there are closed ones")
-        shapes = _nested(closed)
-    elif open_:
-        notes.append(f"nothing closed: {len(open_)} open line(s) read as loose faces, outward on their right")
-        shapes = [_shape(open_, closed=False)]
+            _refuse_open_outlines(loops, open_, remedy)
+            notes.append(_left_out_note(loops, open_))
+        used = loops
     else:
-        shapes = []
+        used = open_
+        if open_:
+            notes.append(_loose_note(open_))
+    gap = max((run.gap for run in used), default=0.0)
+    if gap > 1e-9 * tolerance.distance:
+        notes.append(f"gaps of up to {gap:.2g} between ends closed; the slacks include them")
+    used = _thinned(used, tolerance, notes)
+    if loops:
+        shapes = _nested(used, remedy, notes)
+    else:
+        shapes = [_shape(used, closed=False)] if used else []
     for shape in shapes:
         shape.notes += notes
     return sorted(shapes, key=lambda shape: tuple(np.min(shape.loops[0], axis=0)))
 
 
-def _shape(pieces: list[Piece], *, closed: bool) -> Shape:
-    position_slack = max(piece.position_slack for piece in pieces)
-    normal_slack = max(piece.normal_slack for piece in pieces)
-    return Shape([piece.points for piece in pieces], closed, position_slack, normal_slack)
+# --- what counts ----------------------------------------------------------------------------------
 
 
-def _nested(loops: list[Piece]) -> list[Shape]:
-    """Each loop inside an even number of others, with those just inside it."""
-    around = [
-        [j for j, other in enumerate(loops) if j != k and _contains(other.points, loop.points[0])]
-        for k, loop in enumerate(loops)
+def _drawn(pieces: list[Piece], join: float, notes: list[str]) -> list[Piece]:
+    """Without pieces that have no length, and those drawn twice."""
+    low = np.min([np.min(piece.points, axis=0) for piece in pieces], axis=0, initial=math.inf)
+    high = np.max([np.max(piece.points, axis=0) for piece in pieces], axis=0, initial=-math.inf)
+    rounding = 1e-12 * float(np.max(np.abs([low, high]))) if pieces else 0.0
+    long = [piece for piece in pieces if piece.extent > rounding]
+    if len(long) < len(pieces):
+        notes.append(f"{len(pieces) - len(long)} line(s) without length left out")
+    kept: list[Piece] = []
+    cell = _same_distance(join)
+    by_place: dict[tuple[int, ...], list[Piece]] = {}
+    for piece in long:
+        # Neighbouring cells hold what rounding moves over a border.
+        x, y = (int(c) for c in np.floor(np.min(piece.points, axis=0) / cell))
+        near = [(len(piece.points), x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        if not any(_same(piece, other, join) for key in near for other in by_place.get(key, [])):
+            kept.append(piece)
+            by_place.setdefault((len(piece.points), x, y), []).append(piece)
+    if len(kept) < len(long):
+        notes.append(f"{len(long) - len(kept)} line(s) drawn twice read once")
+    return kept
+
+
+def _same_distance(join: float) -> float:
+    """Points this close are drawn as one: what files with few digits make of it."""
+    return 1e-3 * join
+
+
+def _same(a: Piece, b: Piece, join: float) -> bool:
+    # Fine chords lie close to each other without being the same.
+    limit = min(_same_distance(join), 0.25 * min(a.extent, b.extent))
+    return any(float(np.max(np.abs(a.points - points))) <= limit for points in (b.points, b.points[::-1]))
+
+
+def _without_doubles(loops: list[_Run], join: float, notes: list[str]) -> list[_Run]:
+    """Without outlines that are drawn twice, say as a polyline and as lines."""
+    kept: list[_Run] = []
+    lows: list[Array] = []
+    for loop in loops:
+        low = np.min(loop.points, axis=0)
+        limit = min(_same_distance(join), 1e-3 * float(np.max(np.ptp(loop.points, axis=0))))
+        near = np.flatnonzero(np.max(np.abs(np.reshape(lows, (-1, 2)) - low), axis=1) <= limit)
+        if not any(_same_outline(loop.points, kept[k].points, limit) for k in near):
+            kept.append(loop)
+            lows.append(low)
+    if len(kept) < len(loops):
+        notes.append(f"{len(loops) - len(kept)} outline(s) drawn twice read once")
+    return kept
+
+
+# --- runs -----------------------------------------------------------------------------------------
+
+
+def _runs(pieces: list[Piece], tolerance: Tolerance, remedy: str) -> tuple[list[_Run], list[_Run]]:
+    """Closed runs, and open ones as far as no other line meets them."""
+    join = tolerance.distance
+    closed = [piece for piece in pieces if piece.closed]
+    others = [piece for piece in pieces if not piece.closed]
+    loops = [_Run(Chords.of(piece), Counter({piece.layer: 1})) for piece in closed]
+    if not others:
+        return loops, []
+    ends = _Ends(others, same=_same_distance(join), join=join)
+    cut = _bridges(ends.of_piece)
+    at_node = ends.at_node(k for k in range(len(others)) if not cut[k])
+    for node, meeting in at_node.items():
+        if len(meeting) > 2:
+            _refuse_branch(ends.point(node), [others[k] for k in meeting], remedy)
+    used = cut.copy()
+    for k in range(len(others)):
+        if not used[k]:
+            loops.append(_joined(_followed(k, ends, at_node, used), others, ends, tolerance))
+    used = [not on_bridge for on_bridge in cut]
+    at_node = ends.at_node(k for k in range(len(others)) if cut[k])
+    open_ = [
+        _joined(_followed(k, ends, at_node, used), others, ends, tolerance)
+        for k in range(len(others))
+        if not used[k]
     ]
+    return loops, open_
+
+
+def _refuse_branch(point: Array, meeting: Sequence[Piece], remedy: str) -> None:
+    layers = sorted({piece.layer for piece in meeting if piece.layer})
+    of_layers = f" (layers {', '.join(layers)})" if len(layers) > 1 else ""
+    raise OutlineError(
+        f"{len(meeting)} lines{of_layers} meet at {_at(point)}, and each could be part of the outline; "
+        f"{remedy} the lines that are not"
+    )
+
+
+def _followed(  # noqa: PLR0917
+    first: int, ends: _Ends, at_node: dict[int, list[int]], used: list[bool]
+) -> list[tuple[int, bool]]:
+    """Pieces from one to the next, each with whether it runs along; they are now used."""
+    used[first] = True
+    head, tail = ends.of_piece[first]
+    members = [(first, True)]
+
+    def following(node: int, other_end: int) -> int | None:
+        if node == other_end or len(at_node[node]) != 2:
+            return None
+        found = next((k for k in at_node[node] if not used[k]), None)
+        if found is not None:
+            used[found] = True
+        return found
+
+    while (k := following(tail, head)) is not None:
+        start, end = ends.of_piece[k]
+        members.append((k, start == tail))
+        tail = end if start == tail else start
+    before: list[tuple[int, bool]] = []
+    while (k := following(head, tail)) is not None:
+        start, end = ends.of_piece[k]
+        before.append((k, end == head))
+        head = start if end == head else end
+    return before[::-1] + members
+
+
+def _joined(  # noqa: PLR0917
+    members: list[tuple[int, bool]], pieces: list[Piece], ends: _Ends, tolerance: Tolerance
+) -> _Run:
+    """One run through the pieces, their ends moved to the nodes or joined to them by a short chord."""
+    runs: list[Chords] = []
+    gap = 0.0
+    for k, along in members:
+        piece = pieces[k]
+        start, end = (ends.point(node) for node in ends.of_piece[k])
+        chords, moved = Chords.of(piece).with_ends(start, end, turn=tolerance.turn)
+        gap = max(gap, moved)
+        runs.append(chords if along else chords.reversed())
+    layers = Counter(pieces[k].layer for k, _ in members)
+    return _Run(Chords.joined(runs), layers, gap)
+
+
+def _thinned(runs: list[_Run], tolerance: Tolerance, notes: list[str]) -> list[_Run]:
+    """Runs of fine chords made coarser, as far as curves may be."""
+    coarse = [replace(run, chords=thinned(run.chords, tolerance)) for run in runs]
+    before, after = (sum(len(run.points) for run in all_) for all_ in (runs, coarse))
+    if after < before:
+        notes.append(f"{before - after} point(s) of finely drawn runs dropped; the slacks include it")
+    return coarse
+
+
+# --- what is left out -----------------------------------------------------------------------------
+
+
+def _left_out_note(loops: list[_Run], open_: list[_Run]) -> str:
+    note = f"{sum(run.count for run in open_)} open line(s) left out, since there are closed ones"
+    if len({layer for run in [*loops, *open_] for layer in run.layers}) > 1:
+        layers = sum((run.layers for run in open_), Counter[str]())
+        note += ": " + ", ".join(
+            f"{count} on layer {layer}" for layer, count in sorted(layers.items()) if layer
+        )
+    return note
+
+
+def _loose_note(open_: list[_Run]) -> str:
+    lines = sum(run.count for run in open_)
+    note = f"nothing closed: {lines} open line(s) read as loose faces, outward on their right"
+    openings = _openings(open_)
+    if openings and lines > 1:
+        distance, a, b = openings[0]
+        note += (
+            f"; the ends {_at(a)} and {_at(b)} are {distance:.3g} apart: close them if an outline is meant"
+        )
+    return note
+
+
+def _openings(open_: list[_Run]) -> list[tuple[float, Array, Array]]:
+    """Pairs of ends that nearly meet, the nearest first, with their distance."""
+    ends = np.concatenate([run.points[[0, -1]] for run in open_])
+    reach = _NEARLY_CLOSED * float(np.max(np.ptp(np.concatenate([run.points for run in open_]), axis=0)))
+    long = [float(np.sum(run.chords.lengths)) * _NEARLY_CLOSED for run in open_]
+    pairs = _near_pairs(ends, reach)
+    return [(d, ends[a], ends[b]) for d, a, b in pairs if d > 0.0 and (a // 2 != b // 2 or d <= long[a // 2])]
+
+
+def _refuse_open_outlines(loops: list[_Run], open_: list[_Run], remedy: str) -> None:
+    """Refuses open lines that nearly close around what is closed: an outline with a gap was meant.
+
+    Without it, its holes would be taken for parts.
+    """
+    openings = _openings(open_)
+    if not openings:
+        return
+    joints = [np.array([a, b]) for _, a, b in openings]
+    outer = [k for k, around in enumerate(_inside_of([loop.points for loop in loops])) if not around]
+    for group in _connected([*(run.points[[0, -1]] for run in open_), *joints]):
+        runs = [open_[k] for k in group if k < len(open_)]
+        gaps = [openings[k - len(open_)] for k in group if k >= len(open_)]
+        points = np.concatenate([run.points for run in runs])
+        low, high = np.min(points, axis=0), np.max(points, axis=0)
+        closes = len(runs) == 1 and runs[0].count > 1
+        encloses = any(
+            np.all(np.min(loops[k].points, axis=0) > low) and np.all(np.max(loops[k].points, axis=0) < high)
+            for k in outer
+        )
+        if gaps and (closes or (encloses and sum(run.count for run in runs) > 2)):
+            distance, a, b = gaps[0]
+            raise OutlineError(
+                f"an outline is open: its ends {_at(a)} and {_at(b)} are {distance:.3g} apart; "
+                f"close it, raise flattening, or {remedy} it if it is no outline"
+            )
+
+
+# --- parts ----------------------------------------------------------------------------------------
+
+
+def _shape(runs: list[_Run], *, closed: bool) -> Shape:
+    position_slack = max(float(np.max(run.chords.position)) for run in runs)
+    normal_slack = max(float(np.max(run.chords.normal)) for run in runs)
+    return Shape([run.points for run in runs], closed, position_slack, normal_slack)
+
+
+def _nested(loops: list[_Run], remedy: str, notes: list[str]) -> list[Shape]:
+    """Each loop inside an even number of others, with those just inside it."""
+    around = _inside_of([loop.points for loop in loops])
+    within: dict[int, list[int]] = {}
+    for k, others in enumerate(around):
+        for j in others:
+            if len(others) == len(around[j]) + 1:
+                within.setdefault(j, []).append(k)
+    outers = [k for k, others in enumerate(around) if len(others) % 2 == 0]
+    crossed = _crossing_of([loops[k].points for k in outers])
+    if crossed is not None:
+        raise OutlineError(f"two outlines cross near {_at(crossed)}; {remedy} one of them")
     shapes: list[Shape] = []
-    for k, loop in enumerate(loops):
-        if len(around[k]) % 2 == 0:
-            holes = [
-                hole
-                for j, hole in enumerate(loops)
-                if k in around[j] and len(around[j]) == len(around[k]) + 1
-            ]
-            shapes.append(_shape([_turned(loop, 1.0), *(_turned(hole, -1.0) for hole in holes)], closed=True))
+    for k in outers:
+        holes = within.get(k, [])
+        runs = [_turned(loops[k], 1.0), *(_turned(loops[hole], -1.0) for hole in holes)]
+        shapes.append(_shape(runs, closed=True))
+        if _may_be_frame(loops[k], [loops[hole] for hole in holes], any(hole in within for hole in holes)):
+            low, high = np.min(loops[k].points, axis=0), np.max(loops[k].points, axis=0)
+            notes.append(
+                f"the rectangle from {_at(low)} to {_at(high)} is read as a part, what is in it as holes; "
+                f"if it is the frame of the sheet, {remedy} it"
+            )
+    layers = Counter(layer for k in outers for layer in loops[k].layers)
+    if len(layers) > 1:
+        said = ", ".join(f"{layer} {count}" for layer, count in sorted(layers.items()))
+        notes.append(f"outlines are on several layers ({said}); layers= chooses among them")
     return shapes
 
 
-def _turned(loop: Piece, sense: float) -> Piece:
+def _may_be_frame(outer: _Run, holes: list[_Run], islands: bool) -> bool:
+    """Whether a part may be the frame around the drawing of another one."""
+    corners = outer.points[:-1]
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    if not holes or len(corners) != 4 or not np.all((corners == low) | (corners == high)):
+        return False
+    filled = max(float(np.max(np.ptp(hole.points, axis=0) / (high - low))) for hole in holes)
+    other_layers = all(not set(hole.layers) & set(outer.layers) for hole in holes)
+    return islands or other_layers or (len(holes) == 1 and filled >= _FRAME_SHARE)
+
+
+def _turned(loop: _Run, sense: float) -> _Run:
     """The loop counter-clockwise, or clockwise: a drawing has no opinion on that, so it needs no mention."""
     x, y = (loop.points - loop.points[0]).T
     area = float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))
-    return loop if area * sense >= 0.0 else replace(loop, points=loop.points[::-1])
+    return loop if area * sense >= 0.0 else replace(loop, chords=loop.chords.reversed())
+
+
+def _at(point: Iterable[float]) -> str:
+    return "({}, {})".format(*(f"{x:.6g}" for x in point))
+
+
+# --- outlines in the plane ------------------------------------------------------------------------
+
+
+def _inside_of(loops: list[Array]) -> list[list[int]]:
+    """For each loop, those around it; judged by its first point, as loops that cross are refused later."""
+    lows = np.array([np.min(loop, axis=0) for loop in loops])
+    highs = np.array([np.max(loop, axis=0) for loop in loops])
+    around: list[list[int]] = []
+    for k, loop in enumerate(loops):
+        near = np.flatnonzero(np.all((lows <= lows[k]) & (highs >= highs[k]), axis=1))
+        around.append([int(j) for j in near if j != k and _contains(loops[j], loop[0])])
+    return around
 
 
 def _contains(outline: Array, point: Array) -> bool:
-    a, b = outline, np.roll(outline, -1, axis=0)
+    a, b = outline[:-1], outline[1:]
     crossed = (a[:, 1] <= point[1]) != (b[:, 1] <= point[1])
     a, b = a[crossed], b[crossed]
     x = a[:, 0] + (point[1] - a[:, 1]) * (b[:, 0] - a[:, 0]) / (b[:, 1] - a[:, 1])
     return int(np.sum(x > point[0])) % 2 == 1
 
 
-def _distinct(pieces: list[Piece], join: float, notes: list[str]) -> list[Piece]:
-    """Without pieces that are too small to have ends, and those drawn twice."""
-    long = [piece for piece in pieces if float(np.max(np.ptp(piece.points, axis=0))) > join]
-    if len(long) < len(pieces):
-        notes.append(f"{len(pieces) - len(long)} line(s) shorter than {join:g} left out")
-    kept: list[Piece] = []
-    by_shape: dict[tuple[int, ...], list[Piece]] = {}
-    for piece in long:
-        # Neighbouring cells hold what rounding moves over a border.
-        low = np.min(piece.points, axis=0)
-        cell = tuple(int(c) for c in np.floor(low / join))
-        near = [(len(piece.points), cell[0] + i, cell[1] + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-        if not any(_same(piece, other, join) for key in near for other in by_shape.get(key, [])):
-            kept.append(piece)
-            by_shape.setdefault((len(piece.points), *cell), []).append(piece)
-    if len(kept) < len(long):
-        notes.append(f"{len(long) - len(kept)} line(s) drawn twice read once")
-    return kept
+def _crossing_of(loops: list[Array]) -> Array | None:
+    """A place where two of the loops cross; None if there is none."""
+    lows = np.array([np.min(loop, axis=0) for loop in loops]).reshape(-1, 2)
+    highs = np.array([np.max(loop, axis=0) for loop in loops]).reshape(-1, 2)
+    for k, loop in enumerate(loops):
+        near = np.flatnonzero(np.all((lows <= highs[k]) & (highs >= lows[k]), axis=1))
+        for j in near[near > k]:
+            low, high = np.maximum(lows[k], lows[j]), np.minimum(highs[k], highs[j])
+            place = _crossing(_chords_in(loop, low, high), _chords_in(loops[j], low, high))
+            if place is not None:
+                return place
+    return None
 
 
-def _same(a: Piece, b: Piece, join: float) -> bool:
-    return any(float(np.max(np.abs(a.points - points))) <= join for points in (b.points, b.points[::-1]))
+def _chords_in(loop: Array, low: Array, high: Array) -> Array:
+    """The chords that reach into a box, shape `(n, 2, 2)`."""
+    chords = np.stack([loop[:-1], loop[1:]], axis=1)
+    return chords[np.all((np.min(chords, axis=1) <= high) & (np.max(chords, axis=1) >= low), axis=1)]
 
 
-def _chains(pieces: list[Piece], join: float, notes: list[str]) -> list[_Chain]:
-    """Pieces that follow one another, end to end, as far as no other meets them there."""
-    nodes = _Nodes(join)
-    ends = [(nodes.at(piece.points[0]), nodes.at(piece.points[-1])) for piece in pieces]
+def _crossing(first: Array, second: Array) -> Array | None:
+    def sides(points: Array, chords: Array) -> Array:
+        """On which side of each chord each point is, shape `(chords, points)`."""
+        along, away = chords[:, 1] - chords[:, 0], points[None] - chords[:, :1]
+        return np.sign(along[:, :1] * away[..., 1] - along[:, 1:] * away[..., 0])
+
+    # A few rows at a time keep the tables small.
+    for row in range(0, len(first), 256):
+        some = first[row : row + 256]
+        parted = sides(second[:, 0], some) * sides(second[:, 1], some) < 0
+        parting = (sides(some[:, 0], second) * sides(some[:, 1], second) < 0).T
+        crossing = np.argwhere(parted & parting)
+        if len(crossing):
+            return np.asarray(np.mean(some[crossing[0, 0]], axis=0))
+    return None
+
+
+def _same_outline(a: Array, b: Array, limit: float) -> bool:
+    """Whether the corners of each lie on the other."""
+    return all(_farthest_from(points, outline) <= limit for points, outline in ((a, b), (b, a)))
+
+
+def _farthest_from(points: Array, outline: Array) -> float:
+    starts, along = outline[:-1], np.diff(outline, axis=0)
+    length_sq = np.maximum(np.sum(along**2, axis=1), np.finfo(float).tiny)
+    farthest = 0.0
+    for point in points:
+        share = np.clip(np.sum((point - starts) * along, axis=1) / length_sq, 0.0, 1.0)
+        nearest = starts + share[:, None] * along
+        farthest = max(farthest, float(np.min(np.hypot(*(nearest - point).T))))
+    return farthest
+
+
+# --- the graph of ends ----------------------------------------------------------------------------
+
+
+class _Ends:
+    """Ends of open pieces; those that are one are a node."""
+
+    def __init__(self, pieces: list[Piece], *, same: float, join: float) -> None:
+        self._points = np.array([piece.points[k] for piece in pieces for k in (0, -1)])
+        self._parent = list(range(len(self._points)))
+        self._lengths = [piece.length for piece in pieces]
+        # Ends of fine chords are nearer to each other than what is drawn as one point elsewhere.
+        reach = np.repeat([min(same, 0.25 * piece.extent) for piece in pieces], 2).tolist()
+        for distance, a, b in _near_pairs(self._points, same):
+            first, second = sorted((self._root(a), self._root(b)))
+            if distance <= min(reach[first], reach[second]):
+                self._parent[second] = first
+                reach[first] = min(reach[first], reach[second])
+        self._close_gaps(join)
+        self.of_piece = [(self._root(2 * k), self._root(2 * k + 1)) for k in range(len(pieces))]
+
+    def point(self, node: int) -> Array:
+        """Where a node is: at the end that was drawn first."""
+        return np.asarray(self._points[node])
+
+    def at_node(self, pieces: Iterable[int]) -> dict[int, list[int]]:
+        """The pieces that end at each node; twice, if both ends are there."""
+        found: dict[int, list[int]] = {}
+        for k in pieces:
+            for node in self.of_piece[k]:
+                found.setdefault(node, []).append(k)
+        return found
+
+    def _root(self, end: int) -> int:
+        while self._parent[end] != end:
+            self._parent[end] = self._parent[self._parent[end]]
+            end = self._parent[end]
+        return end
+
+    def _close_gaps(self, join: float) -> None:
+        """Unites ends that nothing meets: with each other, the nearest first, then with what is nearest."""
+        meeting: dict[int, list[int]] = {}
+        for end in range(len(self._points)):
+            meeting.setdefault(self._root(end), []).append(end)
+        nodes = sorted(meeting)
+        if all(len(meeting[node]) > 1 for node in nodes):
+            return
+        pairs = [(nodes[i], nodes[j]) for _, i, j in _near_pairs(self._points[nodes], join)]
+        behind = self._loose(meeting, pairs, join)
+        loose = set(behind)
+        for a, b in pairs:
+            if a in loose and b in loose and a not in behind[b] and b not in behind[a]:
+                self._parent[b] = a
+                loose -= {a, b}
+        for a, b in pairs:
+            for end, other in ((a, b), (b, a)):
+                if end in loose and other not in behind[end]:
+                    self._parent[end] = self._root(other)
+                    loose.discard(end)
+
+    def _loose(
+        self, meeting: dict[int, list[int]], pairs: list[tuple[int, int]], join: float
+    ) -> dict[int, set[int]]:
+        """The nodes that wait for another one near them, with those that they must not be united with.
+
+        Those are nodes back along their own run, whose chords may be as fine as the gap. A line that ends in
+        the open, with nothing near, does not count where it touches an outline.
+        """
+        near: dict[int, set[int]] = {}
+        for a, b in pairs:
+            near.setdefault(a, set()).add(b)
+            near.setdefault(b, set()).add(a)
+        meeting = {node: list(ends) for node, ends in meeting.items()}
+        found: dict[int, set[int]] = {}
+        pending = [node for node, ends in sorted(meeting.items()) if len(ends) == 1]
+        while pending:
+            node = pending.pop()
+            if not meeting[node]:
+                continue
+            behind = self._behind(node, meeting, 4.0 * join)
+            if near.get(node, set()) - behind:
+                found[node] = behind
+                continue
+            end = meeting[node][0]
+            other = self._root(end ^ 1)
+            meeting[other].remove(end ^ 1)
+            if len(meeting[other]) == 1 and self._lengths[end // 2] > join:
+                pending.append(other)
+        return found
+
+    def _behind(self, node: int, meeting: dict[int, list[int]], reach: float) -> set[int]:
+        """The nodes along the run that ends at `node`, as far as `reach`."""
+        found: set[int] = set()
+        end = meeting[node][0]
+        walked = self._lengths[end // 2]
+        while walked <= reach:
+            node = self._root(end ^ 1)
+            if node in found:
+                break
+            found.add(node)
+            going_on = [other for other in meeting[node] if other != end ^ 1]
+            if len(going_on) != 1:
+                break
+            end = going_on[0]
+            walked += self._lengths[end // 2]
+        return found
+
+
+def _near_pairs(points: Array, reach: float) -> list[tuple[float, int, int]]:
+    """Pairs of points no farther apart than `reach`, with their distance, the nearest first."""
+    cells: dict[tuple[int, int], list[int]] = {}
+    places = points.tolist()
+    pairs: list[tuple[float, int, int]] = []
+    for b, key in enumerate(np.floor(points / reach).astype(int).tolist()):
+        x, y = key
+        for i, j in [(x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]:
+            for a in cells.get((i, j), ()):
+                distance = math.dist(places[a], places[b])
+                if distance <= reach:
+                    pairs.append((distance, a, b))
+        cells.setdefault((x, y), []).append(b)
+    return sorted(pairs)
+
+
+def _bridges(edges: list[tuple[int, int]]) -> list[bool]:
+    """Which edges lie on no closed run (Tarjan 1974, without recursion)."""
     at_node: dict[int, list[int]] = {}
-    for k, (start, end) in enumerate(ends):
-        at_node.setdefault(start, []).append(k)
-        at_node.setdefault(end, []).append(k)
-
-    used = [False] * len(pieces)
-    chains: list[_Chain] = []
-    gap = 0.0
-    for k, (head, tail) in enumerate(ends):
-        if used[k]:
+    for k, nodes in enumerate(edges):
+        for node in nodes:
+            at_node.setdefault(node, []).append(k)
+    order: dict[int, int] = {}
+    lowest: dict[int, int] = {}
+    cut = [False] * len(edges)
+    for root in at_node:
+        if root in order:
             continue
-        used[k] = True
-        members = [(k, True)]
-        while (following := _following(tail, head, at_node, used)) is not None:
-            first, last = ends[following]
-            members.append((following, first == tail))
-            tail = last if first == tail else first
-        while (following := _following(head, tail, at_node, used)) is not None:
-            first, last = ends[following]
-            members.insert(0, (following, last == head))
-            head = first if last == head else last
-        joined = _joined([(pieces[j], ends[j], along) for j, along in members], nodes)
-        gap = max(gap, joined.gap)
-        chains.append(_Chain(joined.piece, head == tail))
-    if gap > 1e-9 * join:
-        notes.append(f"gaps of up to {gap:.2g} between ends closed; the slacks include them")
-    return chains
+        order[root] = lowest[root] = len(order)
+        stack = [(root, -2, iter(at_node[root]))]
+        while stack:
+            node, came_by, going_on = stack[-1]
+            k = next(going_on, -1)
+            if k < 0:
+                stack.pop()
+                if stack:
+                    parent = stack[-1][0]
+                    lowest[parent] = min(lowest[parent], lowest[node])
+                    cut[came_by] = lowest[node] > order[parent]
+            elif k != came_by:
+                other = edges[k][1] if edges[k][0] == node else edges[k][0]
+                if other in order:
+                    lowest[node] = min(lowest[node], order[other])
+                else:
+                    order[other] = lowest[other] = len(order)
+                    stack.append((other, k, iter(at_node[other])))
+    return cut
 
 
-def _following(node: int, other_end: int, at_node: dict[int, list[int]], used: list[bool]) -> int | None:  # noqa: PLR0917
-    """The piece that goes on at `node`, now used; None at the end, at a branch, or if the chain is closed."""
-    if node == other_end or len(at_node[node]) != 2:
-        return None
-    following = next((j for j in at_node[node] if not used[j]), None)
-    if following is not None:
-        used[following] = True
-    return following
-
-
-@dataclass(frozen=True)
-class _Joined:
-    piece: Piece
-    gap: float
-
-
-def _joined(members: list[tuple[Piece, tuple[int, int], bool]], nodes: _Nodes) -> _Joined:
-    """One run through the pieces, their ends moved to the nodes; the slacks include what that changes."""
-    runs: list[Array] = []
-    gap = position_slack = normal_slack = 0.0
-    for piece, (start, end), along in members:
-        points = piece.points.copy()
-        points[0], points[-1] = nodes.points[start], nodes.points[end]
-        moved = float(np.max(np.hypot(*(points - piece.points).T)))
-        before, after = np.diff(piece.points, axis=0), np.diff(points, axis=0)
-        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        turned = (
-            float(np.max(np.abs(np.arctan2(cross, np.sum(before * after, axis=1))))) if moved > 0.0 else 0.0
-        )
-        gap = max(gap, moved)
-        position_slack = max(position_slack, piece.position_slack + moved)
-        normal_slack = max(normal_slack, piece.normal_slack + turned)
-        run = points if along else points[::-1]
-        runs.append(run[1:] if runs else run)
-    return _Joined(Piece(np.concatenate(runs), position_slack, normal_slack), gap)
-
-
-class _Nodes:
-    """Ends of pieces; those within `join` of the first one there are one node."""
-
-    def __init__(self, join: float) -> None:
-        self.points: list[Array] = []
-        self._join = join
-        self._cells: dict[tuple[int, int], list[int]] = {}
-
-    def at(self, point: Array) -> int:
-        """The number of the node at `point`."""
-        x, y = (int(c) for c in np.floor(point / self._join))
-        near = [k for i in (-1, 0, 1) for j in (-1, 0, 1) for k in self._cells.get((x + i, y + j), [])]
-        within = [k for k in near if float(np.hypot(*(self.points[k] - point))) <= self._join]
-        if within:
-            return min(within, key=lambda k: (float(np.hypot(*(self.points[k] - point))), k))
-        self.points.append(point)
-        self._cells.setdefault((x, y), []).append(len(self.points) - 1)
-        return len(self.points) - 1
+def _connected(runs: list[Array]) -> list[list[int]]:
+    """Groups of runs whose end points, exactly the same, hold together."""
+    group_at: dict[tuple[float, ...], set[int]] = {}
+    groups: dict[int, set[int]] = {}
+    for k, ends in enumerate(runs):
+        group = {k}
+        for end in ends:
+            group |= group_at.get(tuple(end.tolist()), set())
+        for j in group:
+            groups[j] = group
+            for end in runs[j]:
+                group_at[tuple(end.tolist())] = group
+    return [sorted(group) for group in {id(group): group for group in groups.values()}.values()]
