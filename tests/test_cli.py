@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pytest
 from conftest import pose
@@ -16,6 +17,7 @@ from referencing import Registry, Resource
 import palpate
 from palpate import Contact, Prior
 from palpate.cli import main
+from palpate.cli.parts import with_flags
 from palpate.contacts import write_contacts
 from palpate.demo import demonstrate
 from palpate.parts import part_names
@@ -298,6 +300,7 @@ def test_an_interrupt_ends_it_in_silence(folder):
 import signal, sys, time
 import palpate.cli.recognize
 from palpate.cli import main
+from palpate.cli.parts import with_flags
 
 def never_ending(*models_and_contacts, **settings):
     print("ready", flush=True)
@@ -319,6 +322,23 @@ sys.exit(main({arguments!r}))
             process.kill()
             raise
     assert (process.returncode, out, err) == (130, "", "")
+
+
+def test_an_interrupt_while_it_loads_ends_it_in_silence():
+    code = """
+import sys
+import palpate.cli
+
+class Interrupt:
+    def find_spec(self, name, path=None, target=None):
+        if name == "palpate.cli.app":
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interrupt())
+sys.exit(palpate.cli.main(["--version"]))
+"""
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (shown.returncode, shown.stdout, shown.stderr) == (130, "", "")
 
 
 def test_more_interpretations_than_can_be_counted(folder, capsys):
@@ -436,6 +456,44 @@ def test_tiny_parts_keep_their_digits(folder, capsys):
     rows = run(capsys, "recognize", "tiny.json", "--contacts", "tiny.csv", *flags).splitlines()
     shift = next(float(row.split()[-1]) for row in rows if row.split()[1:2] == ["tiny"])
     assert 0.0 < shift < 1e-5
+
+
+def write_drawing(file, layers):
+    """Each outline on its layer."""
+    document = ezdxf.new(setup=True)
+    document.units = ezdxf.units.MM
+    for layer, outline in layers.items():
+        document.modelspace().add_lwpolyline(outline, close=True, dxfattribs={"layer": layer})
+    document.saveas(file)
+
+
+def test_layers_of_drawings_are_chosen(folder, capsys):
+    write_drawing("drawn.dxf", {"PART": BRACKET, "FRAME": [[x + 200, y] for x, y in PLATE]})
+    assert run(capsys, "models", "drawn.dxf").count(" faces, ") == 2
+    assert run(capsys, "models", "drawn.dxf", "--layers", "part").startswith("drawn: 6 faces, ")
+    arguments = ("recognize", "drawn.dxf", "--contacts", "touches.csv", "--json", "--layers", "PART, FRAME")
+    assert len(json.loads(run(capsys, *arguments))["models"]) == 2
+    for layers, message in (
+        ("A", "there is no layer "),
+        (",", "Invalid value for '--layers': must be names"),
+    ):
+        assert main(["models", "drawn.dxf", "--layers", layers]) == 2
+        assert message in capsys.readouterr().err
+    assert with_flags("name them with layers=, or give flattening: 1; players=2") == (
+        "name them with --layers, or give --flattening: 1; players=2"
+    )
+
+
+def test_flattening_is_chosen(folder, capsys):
+    document = ezdxf.new(setup=True)
+    document.units = ezdxf.units.MM
+    document.modelspace().add_circle((0, 0), 20)
+    document.saveas("ring.dxf")
+    counts = []
+    for flattening in ("0.05", "0.005"):
+        out = run(capsys, "models", "ring.dxf", "--flattening", flattening)
+        counts.append(int(out.split("ring: ")[1].split(" faces")[0]))
+    assert counts[0] < counts[1]
 
 
 def test_the_exit_code_is_documented(capsys):

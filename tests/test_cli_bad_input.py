@@ -33,6 +33,8 @@ FILES = {
     "no-bound.csv": "x,y,nx,ny,position_error\n0,0,0,1,0.5\n",
     "letters.csv": "x,y,position_error\n0,left,0.5\n",
     "zero-normal.csv": "x,y,nx,ny,position_error,normal_error_deg\n0,0,0,0,0.5,4\n",
+    "reverse.csv": "kind,x,y,nx,ny,approach_x,approach_y,start_x,start_y,position_error,normal_error_deg\n"
+    "miss,0,50,,,,,9,50,1,\ncontact,5,0,0,1,0,1,,,1,4\n",
     "space.csv": "x,y,z,position_error\n0,0,0,0.5\n",
     "empty.csv": "",
     "header.csv": "x,y,position_error\n",
@@ -150,6 +152,10 @@ CASES = [
     ),
     (["recognize", "square.json", "--contacts", "broken.json"], "broken.json, line 1: not JSON"),
     (["recognize", "square.json", "--contacts", "other.json"], "other.json: schema: 'palpate-model' is not"),
+    (
+        ["recognize", "square.json", "--contacts", "reverse.csv"],
+        "reverse.csv, line 3: the normal points along the approach",
+    ),
     (["models"], "Missing argument 'MODEL'"),
     (["models", "pear"], "pear: no such file or folder"),
     (["models", "crossed.json", "--json"], "crossed.json: "),

@@ -13,6 +13,8 @@ def models(
     models: options.Models,
     *,
     unit: options.Unit = "mm",
+    layers: options.Layers = None,
+    flattening: options.Flattening = None,
     plot: options.Plot = None,
     json: options.Json = False,
 ) -> None:
@@ -21,7 +23,9 @@ def models(
         from palpate.plots.style import check_picture_path
 
         check_picture_path(plot)
-    parts = patiently(lambda: load_parts(models, unit=unit), saying="reading models")
+    parts = patiently(
+        lambda: load_parts(models, unit=unit, layers=layers, flattening=flattening), saying="reading models"
+    )
     console = results()
     if json:
         print_document(models_document(parts.models, unit=unit))

@@ -57,6 +57,13 @@ def kinds(text: str) -> str:
     return ",".join(names)
 
 
+def names(text: str) -> str:
+    """Names separated by commas."""
+    if not all(name.strip() for name in text.split(",")):
+        raise typer.BadParameter(f"must be names separated by commas (got {text!r})")
+    return text
+
+
 Models = Annotated[
     list[str],
     typer.Argument(metavar="MODEL", help="Files, folders or names of bundled parts.", show_default=False),
@@ -147,6 +154,24 @@ ListInterpretations = Annotated[
 ]
 Unit = Annotated[
     str, typer.Option(help="Unit of the models: um, mm, cm, m, in or ft. Files in another are converted.")
+]
+Layers = Annotated[
+    str | None,
+    typer.Option(
+        parser=names,
+        metavar="NAME,...",
+        help="Layers of DXF drawings to read; else all that are shown.",
+        rich_help_panel="Drawings",
+    ),
+]
+Flattening = Annotated[
+    float | None,
+    typer.Option(
+        parser=length,
+        metavar="LENGTH",
+        help="How far chords may be from the curves of a drawing; else 0.05 mm.",
+        rich_help_panel="Drawings",
+    ),
 ]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="Draw a picture: .svg, .png or .pdf.")]
 PlotRange = Annotated[

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -26,10 +27,24 @@ class Parts:
         ]
 
 
-def load_parts(paths: Sequence[str], *, unit: str) -> Parts:
-    """The models of files, folders and bundled parts, in this order."""
-    loaded = [(model, path) for path in paths for model in load_models(path, unit=unit)]
+def load_parts(paths: Sequence[str], *, unit: str, layers: str | None, flattening: float | None) -> Parts:
+    """The models of files, folders and bundled parts, in this order; `layers` are separated by commas."""
+    names = None if layers is None else [name.strip() for name in layers.split(",")]
+    try:
+        loaded = [
+            (model, path)
+            for path in paths
+            for model in load_models(path, unit=unit, layers=names, flattening=flattening)
+        ]
+    except ValueError as error:
+        raise ValueError(with_flags(str(error))) from None
     return Parts([model for model, _ in loaded], [path for _, path in loaded])
+
+
+def with_flags(text: str) -> str:
+    """What is said of arguments of Python, said of the flags of the command line."""
+    text = re.sub(r"\blayers(=|(?=: ))", "--layers", text)
+    return re.sub(r"\bflattening(=|(?=: ))", "--flattening", text)
 
 
 def part_notes(parts: Parts, *, unit: str) -> list[str]:
@@ -43,7 +58,7 @@ def part_notes(parts: Parts, *, unit: str) -> list[str]:
             notes.append(f"the same as model {first}: what fits one fits the other")
         if model.position_slack or model.normal_slack:
             notes.append(f"slack {slack_words(model, unit=unit)}, added to the errors of every contact")
-        notes += [f"mended: {mend}" for mend in model.mends]
+        notes += [f"mended: {with_flags(mend)}" for mend in model.mends]
         if notes:
             lines.append(f"{label}: {'; '.join(notes)}")
     return lines

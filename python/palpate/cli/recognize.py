@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -33,6 +34,8 @@ def recognize(
     max_hypotheses: options.MaxHypotheses = None,
     list_interpretations: options.ListInterpretations = 0,
     unit: options.Unit = "mm",
+    layers: options.Layers = None,
+    flattening: options.Flattening = None,
     plot: options.Plot = None,
     plot_range: options.PlotRange = None,
     stats: options.Stats = False,
@@ -45,7 +48,7 @@ def recognize(
     Exit code 0: there is an answer, also where it is that nothing explains the contacts; 2: bad input.
     """
     _check_plot(plot, plot_range)
-    parts = load_parts(models, unit=unit)
+    parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
     evidence = read_contacts(
         contacts,
         unit=unit,
@@ -59,12 +62,15 @@ def recognize(
     )
     limit = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
     kinds = None if features is None else tuple(features.split(","))
-    found = patiently(
-        lambda: recognize_parts(
-            parts.models, evidence.contacts, features=kinds, misses=evidence.misses, prior=prior, **limit
-        ),
-        saying="recognizing",
-    )
+    try:
+        found = patiently(
+            lambda: recognize_parts(
+                parts.models, evidence.contacts, features=kinds, misses=evidence.misses, prior=prior, **limit
+            ),
+            saying="recognizing",
+        )
+    except ValueError as error:
+        raise ValueError(_with_place(str(error), evidence, file=contacts)) from None
     console = results()
     if json:
         print_document(
@@ -95,6 +101,15 @@ def recognize(
         _draw(found, evidence, parts, path=plot, number=plot_range, unit=unit)
         if not json:
             console.print(f"picture: {plot}", markup=False)
+
+
+def _with_place(message: str, evidence: Evidence, *, file: Path) -> str:
+    """A complaint of `contacts[3]`, as one of the place in the file where that contact stands."""
+    about = re.match(r"contacts\[(\d+)\]", message)
+    if about is None:
+        return message
+    place = evidence.places[int(about[1])]
+    return f"{file.name}{':' if place.startswith('contacts') else ','} {place}{message[about.end() :]}"
 
 
 def _check_plot(plot: Path | None, plot_range: int | None) -> None:

@@ -15,7 +15,7 @@ from rich.table import Table
 
 from palpate import Hypothesis, Model, Recognition
 from palpate.cli.documents import excursion_bound, hypothesis_count, planar
-from palpate.cli.parts import Parts, slack_words
+from palpate.cli.parts import Parts, slack_words, with_flags
 from palpate.contacts import Evidence
 
 MOST_ROWS = 40
@@ -87,7 +87,7 @@ def print_models(console: Console, parts: Parts, *, unit: str) -> None:
         counts = f"{_count(len(model.faces), 'face')}, {_count(len(model.vertices), 'vertex')}"
         console.print(f"[bold]{escape(label)}[/bold]: {counts}, {kind}, size {model.size:.6g} {unit}")
         for mend in model.mends:
-            console.print(f"  mended: {mend}", markup=False, soft_wrap=True)
+            console.print(f"  mended: {with_flags(mend)}", markup=False, soft_wrap=True)
         if label != model.name:
             console.print(f"  from {parts.sources[number - 1]}", markup=False)
         first = 1 + parts.models.index(model)
