@@ -22,5 +22,5 @@ pub use feature::Feature;
 pub use hypothesis::{Count, Hypothesis, Interpretation};
 pub use judge::{Fault, Outcome, Reading, Touch, Verdict};
 pub use plan::{Path, Plan, PlanSettings, Planner, Stop, judge, plan};
-pub use recognize::{ModelReport, Recognition, Settings, recognize};
+pub use recognize::{ModelReport, Recognition, Settings, recognize, recognize_until};
 pub use sensor::Sensor;

@@ -1,6 +1,8 @@
 //! Recognition: every part and pose that explains the contacts (thesis, chapter 2).
 
 use std::sync::Arc as Shared;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
 
 use rayon::prelude::*;
 
@@ -9,6 +11,9 @@ use crate::hypothesis::{Count, Hypothesis};
 use crate::plane::{self, Case, Model};
 use crate::tree::Counters;
 use crate::{Error, Evidence};
+
+/// Set from outside to have a search given up.
+pub type Halt = Shared<AtomicBool>;
 
 /// How to recognize. The defaults are stated here and nowhere else.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,9 +95,22 @@ pub fn recognize(
     evidence: &Evidence,
     settings: &Settings,
 ) -> Result<Recognition, Error> {
+    recognize_until(models, evidence, settings, &Shared::default())
+}
+
+/// The same, but given up soon after `stop` is set: the answer is then not complete.
+///
+/// # Errors
+/// As [`recognize`].
+pub fn recognize_until(
+    models: &[Shared<Model>],
+    evidence: &Evidence,
+    settings: &Settings,
+    stop: &Halt,
+) -> Result<Recognition, Error> {
     check(models, evidence, settings)?;
     let explanations: Vec<plane::Explanations> =
-        models.par_iter().map(|model| explain(model, evidence, settings)).collect();
+        models.par_iter().map(|model| explain(model, evidence, settings, stop)).collect();
     let reports = explanations.iter().map(|one| ModelReport {
         counters: one.counters,
         num_boxes: one.num_boxes,
@@ -110,14 +128,20 @@ pub fn recognize(
     }
     complete &= hypotheses.len() <= settings.max_hypotheses;
     hypotheses.truncate(settings.max_hypotheses);
-    let conflict = (complete && hypotheses.is_empty()).then(|| conflict(models, evidence, settings));
+    complete &= !stop.load(Relaxed);
+    let conflict = (complete && hypotheses.is_empty()).then(|| conflict(models, evidence, settings, stop));
     Ok(Recognition { hypotheses, conflict, reports, complete })
 }
 
-fn explain(model: &Shared<Model>, evidence: &Evidence, settings: &Settings) -> plane::Explanations {
+fn explain(
+    model: &Shared<Model>,
+    evidence: &Evidence,
+    settings: &Settings,
+    stop: &Halt,
+) -> plane::Explanations {
     let tips = evidence.contacts.iter().any(|contact| contact.tip_radius > 0.0);
     let tables = model.feature_tables(settings.faces, settings.vertices.unwrap_or(tips));
-    plane::explain(Case::new(model, evidence, settings.tolerance), tables)
+    plane::explain(Case::new(model, evidence, settings.tolerance).until(stop), tables)
 }
 
 fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> Result<(), Error> {
@@ -183,12 +207,12 @@ fn check_lengths(models: &[Shared<Model>], evidence: &Evidence) -> Result<(), Er
 const MOST_EXHAUSTIVE: usize = 10;
 
 /// Contacts that can't hold together (DESIGN §4).
-fn conflict(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> Vec<usize> {
+fn conflict(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings, stop: &Halt) -> Vec<usize> {
     let explained = |members: &[usize]| {
         let contacts = members.iter().map(|number| evidence.contacts[*number]).collect();
         let evidence = Evidence { contacts, ..evidence.clone() };
         models.par_iter().any(|model| {
-            let found = explain(model, &evidence, settings);
+            let found = explain(model, &evidence, settings, stop);
             !found.hypotheses.is_empty() || !found.complete
         })
     };

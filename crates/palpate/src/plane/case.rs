@@ -6,6 +6,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc as Shared;
+use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec2;
 
@@ -16,6 +17,7 @@ use super::pose::Pose;
 use super::site::Site;
 use crate::contact::{Contact, Evidence, GRAZING, Prior};
 use crate::feature::Feature;
+use crate::recognize::Halt;
 
 /// A pose as rotation and the model point at the pivot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +71,7 @@ pub(crate) struct Case {
     pub angle_tolerance: f64,
     /// Bounds every coordinate that occurs; rounding is measured in it.
     pub scale: f64,
+    stop: Halt,
 }
 
 /// Outward rounding: computed bounds are wider by this share of the scale, some 10⁴ units of rounding.
@@ -108,7 +111,18 @@ impl Case {
             length_tolerance: 0.5 * tolerance * model.size,
             angle_tolerance: 0.5 * tolerance,
             scale,
+            stop: Halt::default(),
         }
+    }
+
+    /// The same case, whose searches are given up when `stop` is set.
+    pub fn until(self, stop: &Halt) -> Self {
+        Self { stop: Halt::clone(stop), ..self }
+    }
+
+    /// Whether searches are to be given up.
+    pub fn stopped(&self) -> bool {
+        self.stop.load(Relaxed)
     }
 
     /// The same case with the bounds of every reading multiplied by `share`.
@@ -117,6 +131,7 @@ impl Case {
             model: Shared::clone(&self.model),
             data: self.data.iter().map(|datum| datum.scaled(share)).collect(),
             sweeps: self.sweeps.clone(),
+            stop: Halt::clone(&self.stop),
             ..*self
         }
     }

@@ -122,11 +122,14 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> 
                 Probe::Empty => continue,
                 Probe::Left => Witness { pose: cell.candidate(), marginal: true, undecided: true },
             };
-        if fallback.is_none() && (fine || num_examined >= most_examined) {
+        if fallback.is_none() && (fine || num_examined >= most_examined || conditions.case.stopped()) {
             // Neither a witness nor a certificate: kept, so that nothing true is lost.
             fallback = Some(left);
         }
-        if num_examined >= most_examined || (fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
+        if num_examined >= most_examined
+            || conditions.case.stopped()
+            || (fallback.is_some() && num_examined > ENOUGH_MARGINAL)
+        {
             break;
         }
         if !fine {

@@ -104,7 +104,7 @@ impl Subdivision {
         let mut stack = vec![(bundle.cell, options)];
         while let Some((cell, options)) = stack.pop() {
             self.examined += 1;
-            if self.examined > MOST_BOXES {
+            if self.examined > MOST_BOXES || case.stopped() {
                 // Kept as it is, so that nothing true is lost.
                 self.complete = false;
                 self.dense.push(Bundle::new(cell, &options));
@@ -164,7 +164,10 @@ pub(crate) fn seek(case: &Case, bundles: &[Bundle]) -> Option<Bundle> {
         {
             return Some(found);
         }
-        if bundle.cell.motion(reach) <= 0.5 * case.length_tolerance || num_examined >= MOST_SOUGHT {
+        if bundle.cell.motion(reach) <= 0.5 * case.length_tolerance
+            || num_examined >= MOST_SOUGHT
+            || case.stopped()
+        {
             return Some(bundle.settled(case));
         }
         for half in halves(&bundle.cell, reach) {
