@@ -33,5 +33,5 @@ pub use rays::Line;
 pub use thesis::ThesisPose;
 
 pub(crate) use case::Case;
-pub(crate) use scene::Scene;
+pub(crate) use scene::{Scene, directions};
 pub(crate) use hypotheses::{Explanations, explain};

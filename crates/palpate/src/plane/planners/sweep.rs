@@ -60,7 +60,7 @@ pub(crate) fn sweep(best: &mut Best<'_>, stop: Stop, late: &dyn Fn() -> bool) {
         });
         proposals.sort_by(|a, b| a.left.cmp(&b.left).then(b.width.total_cmp(&a.width)));
         for proposal in proposals.iter().take(MOST_JUDGED) {
-            if best.enough(stop) || proposal.left > best.num_left() || late() {
+            if best.enough(stop) || best.hopeless(proposal.left) || late() {
                 break;
             }
             if let Some(line) = scene.line(proposal.angle, proposal.aside) {
