@@ -26,11 +26,13 @@ fn main() {
     let noise = Noise { position_error: 0.5, normal_error: Some(error), tip_radius: 0.0 };
     let objects = parts::OBJECTS.map(parts::part);
     let mut random = Rng::with_seed(5);
-    let (mut greedy_sum, mut optimal_sum, mut bound_sum, mut worst_ratio, mut done) = (0.0, 0.0, 0.0, 1.0_f64, 0);
+    let (mut greedy_sum, mut optimal_sum, mut bound_sum, mut worst_ratio, mut done) =
+        (0.0, 0.0, 0.0, 1.0_f64, 0);
     while done < count {
         let model = objects[random.usize(0..objects.len())].clone();
         let problem = contacts(&mut random, model, num_contacts, &noise);
-        let found = palpate::recognize(&objects, &problem.evidence, &Settings::default()).expect("well-formed");
+        let found =
+            palpate::recognize(&objects, &problem.evidence, &Settings::default()).expect("well-formed");
         let n = found.hypotheses.len();
         if n < fewest || n > most {
             continue;
@@ -56,7 +58,12 @@ fn main() {
     println!("greedy / optimal: {:.4} in the mean, {worst_ratio:.4} at most", greedy_sum / optimal_sum);
 }
 
-fn tree(hypotheses: &[Hypothesis], sensor: &Sensor, settings: &PlanSettings, method: TreeMethod) -> AmbiguityTree {
+fn tree(
+    hypotheses: &[Hypothesis],
+    sensor: &Sensor,
+    settings: &PlanSettings,
+    method: TreeMethod,
+) -> AmbiguityTree {
     let started = Instant::now();
     let tree_settings = TreeSettings { method, ..TreeSettings::default() };
     let tree = palpate::plan_tree(hypotheses, sensor, settings, &tree_settings).expect("hypotheses");

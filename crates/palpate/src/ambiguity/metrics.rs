@@ -13,7 +13,10 @@ impl AmbiguityTree {
         let own = nodes.iter().map(|node| node.branches.len().saturating_sub(1)).max().unwrap_or(0);
         let max_outcomes = max_outcomes.unwrap_or(0).max(own).max(2);
         let mut identified = vec![0; 1 + nodes.iter().map(|node| node.level).max().unwrap_or(0)];
-        nodes.iter().filter(|node| node.status == Status::Solved).for_each(|leaf| identified[leaf.level] += 1);
+        nodes
+            .iter()
+            .filter(|node| node.status == Status::Solved)
+            .for_each(|leaf| identified[leaf.level] += 1);
         let expected_touches = total as f64 / n as f64;
         let lower_bound = lower_bound(&nodes[0], num_left).min(expected_touches);
         Self {

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::Status;
 use super::grow::{Choice, Grown, grow, planned};
 use super::relation::{Optimum, Relation, Set, bit, members};
-use super::Status;
 use crate::judge::Outcome;
 use crate::plan::{Path, PlanSettings, judged};
 use crate::plane::{Line, Scene};
@@ -22,7 +22,12 @@ struct Pool<'a> {
 }
 
 /// The tree of fewest expected touches. Sets that it meets are planned for until it meets no new one.
-pub(super) fn plan(scene: &Scene, settings: &PlanSettings, max_nodes: usize, late: &dyn Fn() -> bool) -> Grown {
+pub(super) fn plan(
+    scene: &Scene,
+    settings: &PlanSettings,
+    max_nodes: usize,
+    late: &dyn Fn() -> bool,
+) -> Grown {
     let everyone = scene.everyone();
     let root = set_of(&everyone);
     let mut pool =
@@ -47,11 +52,11 @@ pub(super) fn plan(scene: &Scene, settings: &PlanSettings, max_nodes: usize, lat
     let nodes = grow(everyone, max_nodes, &mut |members| {
         let subset = set_of(members);
         match optimum.value(subset).relation {
-            Some(number) => Choice {
-                path: pool.path(&relations[number], members),
-                status: Status::Divided,
+            Some(number) => Choice { path: pool.path(&relations[number], members), status: Status::Divided },
+            None => Choice {
+                path: None,
+                status: pool.planned.get(&subset).map_or(Status::Unexpanded, |one| one.0),
             },
-            None => Choice { path: None, status: pool.planned.get(&subset).map_or(Status::Unexpanded, |one| one.0) },
         }
     });
     let num_left = pool.planned.get(&root).map_or(0, |one| one.1);
@@ -106,7 +111,8 @@ fn relation(scene: &Scene, everyone: &[usize], line: &Line) -> Relation {
         .collect();
     let with = |test: &dyn Fn(usize) -> bool| (0..outcomes.len()).filter(|k| test(*k)).map(bit).sum::<Set>();
     let faults = with(&|k| outcomes[k].fault.is_some());
-    let left = (0..outcomes.len()).map(|k| with(&|j| j != k && !outcomes[j].separated(&outcomes[k], &scene.sensor)));
+    let left =
+        (0..outcomes.len()).map(|k| with(&|j| j != k && !outcomes[j].separated(&outcomes[k], &scene.sensor)));
     Relation::new(faults, &left.collect::<Vec<_>>())
 }
 

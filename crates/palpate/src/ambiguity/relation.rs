@@ -73,7 +73,8 @@ impl Relation {
     #[must_use]
     pub fn dominates(&self, other: &Self) -> bool {
         let usable = !other.faults;
-        self.faults & usable == 0 && self.left.iter().zip(&other.left).all(|(own, others)| own & usable & !others == 0)
+        self.faults & usable == 0
+            && self.left.iter().zip(&other.left).all(|(own, others)| own & usable & !others == 0)
     }
 
     /// The largest number of classes that it has within any subset.
@@ -142,8 +143,10 @@ impl<'a> Optimum<'a> {
         let unsolved = size.saturating_sub(1);
         let mut best = Value { touches: size * unsolved, worst: unsolved, relation: None };
         for (number, relation) in self.relations.iter().enumerate() {
-            let Some(classes) = relation.classes(subset).filter(|classes| classes.len() > 1) else { continue };
-            let at_least = size + classes.iter().map(at_least).sum::<usize>();
+            let Some(classes) = relation.classes(subset).filter(|classes| classes.len() > 1) else {
+                continue;
+            };
+            let at_least = size + classes.iter().copied().map(at_least).sum::<usize>();
             if best.relation.is_some() && at_least > best.touches {
                 continue;
             }
@@ -182,7 +185,7 @@ impl<'a> Optimum<'a> {
 }
 
 /// Touches of a class, summed over its members: one is identified, more need at least one touch.
-fn at_least(class: &Set) -> usize {
+fn at_least(class: Set) -> usize {
     if class.count_ones() > 1 { class.count_ones() as usize } else { 0 }
 }
 

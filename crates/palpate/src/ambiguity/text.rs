@@ -27,7 +27,11 @@ impl AmbiguityTree {
         let _ = writeln!(
             text,
             "touches: {:.2} expected, {} worst; with {} outcomes at least {:.2} and {}",
-            self.expected_touches, self.worst_touches, self.max_outcomes, self.entropy_bound, self.worst_bound
+            self.expected_touches,
+            self.worst_touches,
+            self.max_outcomes,
+            self.entropy_bound,
+            self.worst_bound
         );
         text
     }
@@ -48,7 +52,8 @@ impl AmbiguityTree {
                 Answers::Either => "contact or none",
                 Answers::Unexpected => "unexpected",
             };
-            let _ = writeln!(text, "{indent}{corner}S{} {answers}: {}", k + 1, self.described(&self.nodes[next]));
+            let _ =
+                writeln!(text, "{indent}{corner}S{} {answers}: {}", k + 1, self.described(&self.nodes[next]));
             self.draw(next, &format!("{indent}{stem}"), text);
         }
     }
@@ -60,7 +65,9 @@ impl AmbiguityTree {
         let more = node.members.len() - 1;
         match node.status {
             Status::Solved => members,
-            Status::Divided => format!("{members} | {}", node.path.as_ref().map(described).unwrap_or_default()),
+            Status::Divided => {
+                format!("{members} | {}", node.path.as_ref().map(described).unwrap_or_default())
+            }
             Status::Inseparable => format!("{members} | inseparable, counts {more}"),
             Status::NoUsablePath => format!("{members} | no usable path, counts {more}"),
             Status::Effort => format!("{members} | search cut short, counts {more}"),

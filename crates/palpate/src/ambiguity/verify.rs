@@ -53,7 +53,9 @@ fn margin(scene: &Scene, steps: u32) -> f64 {
 
 /// Whether the line is usable and surely touches, everything widened by so many steps.
 fn holds(scene: &Scene, line: &Line, steps: u32) -> bool {
-    scene.outcomes(line, &[0], margin(scene, steps)).is_ok_and(|outcomes| outcomes.iter().all(|one| !one.may_miss))
+    scene
+        .outcomes(line, &[0], margin(scene, steps))
+        .is_ok_and(|outcomes| outcomes.iter().all(|one| !one.may_miss))
 }
 
 /// The most steps with which it holds; it does with `low`.
