@@ -26,8 +26,8 @@ fn main() {
     let noise = Noise { position_error: 0.5, normal_error: Some(error), tip_radius: 0.0 };
     let objects = parts::OBJECTS.map(parts::part);
     let mut random = Rng::with_seed(5);
-    let (mut greedy_sum, mut optimal_sum, mut bound_sum, mut worst_ratio, mut done) =
-        (0.0, 0.0, 0.0, 1.0_f64, 0);
+    let (mut greedy_sum, mut ahead_sum, mut optimal_sum, mut bound_sum) = (0.0, 0.0, 0.0, 0.0);
+    let (mut worst_ratio, mut done) = (1.0_f64, 0);
     while done < count {
         let model = objects[random.usize(0..objects.len())].clone();
         let problem = contacts(&mut random, model, num_contacts, &noise);
@@ -39,9 +39,11 @@ fn main() {
         }
         let settings = PlanSettings { effort, ..PlanSettings::default() };
         let greedy = tree(&found.hypotheses, &sensor, &settings, TreeMethod::Greedy);
+        let ahead = tree(&found.hypotheses, &sensor, &settings, TreeMethod::Ahead);
         let optimal = tree(&found.hypotheses, &sensor, &settings, TreeMethod::Optimal);
         done += 1;
         greedy_sum += greedy.expected_touches;
+        ahead_sum += ahead.expected_touches;
         optimal_sum += optimal.expected_touches;
         bound_sum += optimal.entropy_bound;
         worst_ratio = worst_ratio.max(greedy.expected_touches / optimal.expected_touches);
@@ -50,12 +52,14 @@ fn main() {
         }
     }
     println!(
-        "{done} problems: expected touches greedy {:.4}, optimal {:.4}, entropy bound {:.4}",
+        "{done} problems: expected touches greedy {:.4}, ahead {:.4}, optimal {:.4}, entropy bound {:.4}",
         greedy_sum / done as f64,
+        ahead_sum / done as f64,
         optimal_sum / done as f64,
         bound_sum / done as f64
     );
     println!("greedy / optimal: {:.4} in the mean, {worst_ratio:.4} at most", greedy_sum / optimal_sum);
+    println!("ahead / optimal: {:.4} in the mean", ahead_sum / optimal_sum);
 }
 
 fn tree(

@@ -247,7 +247,7 @@ pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn 
         return Plan { path: None, bound: 1.0, proved: true, num_judged: 0, num_boxes: 0 };
     }
     planners::sweep(&mut best, settings.stop, late);
-    let told = best.path.as_ref().is_some_and(|path| best.tells(path));
+    let told = best.num_left() < best.members.len().pow(2);
     let mut proof = planners::Proof { bound: 1.0, proved: false, num_boxes: 0 };
     if settings.planner == Planner::Complete || !told {
         proof = planners::complete(&mut best, settings, late);
@@ -281,36 +281,28 @@ pub(crate) struct Best<'a> {
     pub path: Option<Path>,
     pub num_judged: u64,
     pub aim: Aim,
+    /// What `path` leaves, as the aim counts it.
+    left: usize,
+    /// Lines are judged even if they can't become the best.
+    pub thorough: bool,
     /// Is told of every line that is judged, whether it can be used or not.
     pub listener: Option<&'a mut dyn FnMut(&Line)>,
 }
 
 impl<'a> Best<'a> {
     pub fn new(scene: &'a Scene, members: &'a [usize]) -> Self {
-        Self { scene, members, path: None, num_judged: 0, aim: Aim::Score, listener: None }
+        Self { scene, members, path: None, num_judged: 0, aim: Aim::Score, left: 0, thorough: false, listener: None }
     }
 
     /// The number of pairs that the best path leaves, as the aim counts them; more than any if there is none.
     pub fn num_left(&self) -> usize {
         let n = self.members.len();
-        self.path.as_ref().map_or(n * n + 1, |path| self.left_by(path))
-    }
-
-    fn left_by(&self, path: &Path) -> usize {
-        match self.aim {
-            Aim::Score => (path.score * self.members.len() as f64).round() as usize,
-            Aim::Branches => path.classes.iter().map(|class| class.len().pow(2)).sum(),
-        }
-    }
-
-    /// Whether a path is certain to tell something.
-    fn tells(&self, path: &Path) -> bool {
-        self.left_by(path) < self.members.len().pow(2)
+        if self.path.is_some() { self.left } else { n * n + 1 }
     }
 
     /// Whether a line that leaves so many pairs at least need not be judged.
     pub fn hopeless(&self, left: usize) -> bool {
-        self.listener.is_none() && left > self.num_left()
+        !self.thorough && left > self.num_left()
     }
 
     /// Judges a line; it becomes the best if it is better.
@@ -331,11 +323,10 @@ impl<'a> Best<'a> {
         if path.fault.is_some() {
             return;
         }
-        let order = |known: &Path| {
-            self.left_by(&path).cmp(&self.left_by(known)).then_with(|| path.order(known, self.scene.margin))
-        };
+        let order = |known: &Path| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));
         if self.path.as_ref().is_none_or(|known| order(known) == Ordering::Less) {
             self.path = Some(path);
+            self.left = left;
         }
     }
 

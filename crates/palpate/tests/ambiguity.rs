@@ -255,15 +255,19 @@ fn trees_of_random_problems() {
         let hypotheses = problem(seed);
         let greedy = tree(&hypotheses, TreeMethod::Greedy);
         let optimal = tree(&hypotheses, TreeMethod::Optimal);
+        let ahead = tree(&hypotheses, TreeMethod::Ahead);
         check_tree(&hypotheses, &greedy);
+        check_tree(&hypotheses, &ahead);
         check_tree(&hypotheses, &optimal);
         let order = |tree: &AmbiguityTree| (tree.expected_touches * 1e6, tree.worst_touches);
         assert!(order(&optimal) <= order(&greedy), "seed {seed}: {} {}", optimal.to_text(), greedy.to_text());
+        assert!(order(&ahead) <= order(&greedy));
         assert!(optimal.entropy_bound <= optimal.expected_touches + 1e-12);
         num_solved += usize::from(optimal.solved());
         num_deep += usize::from(greedy.worst_touches > 1);
         if seed % 8 == 0 {
             assert_eq!(greedy, tree(&hypotheses, TreeMethod::Greedy));
+            assert_eq!(ahead, tree(&hypotheses, TreeMethod::Ahead));
             assert_eq!(optimal, tree(&hypotheses, TreeMethod::Optimal));
         }
     }
@@ -273,7 +277,7 @@ fn trees_of_random_problems() {
 #[test]
 fn a_tree_stopped_early_says_so() {
     let hypotheses =
-        (0..).map(problem).find(|some| tree(some, TreeMethod::Greedy).depth() > 1).expect("endless");
+        (0..40).map(problem).find(|some| tree(some, TreeMethod::Greedy).depth() > 1).expect("a few are");
     let mut before = f64::INFINITY;
     let full = tree(&hypotheses, TreeMethod::Greedy);
     for max_nodes in 0..=full.num_nodes() {
@@ -315,7 +319,7 @@ fn what_can_not_be_told_apart_is_one_leaf() {
     let found =
         recognize(&models, &touched(&house(), &[0, 1, 2]), &Settings::default()).expect("well-formed");
     assert_eq!(found.hypotheses.len(), 2);
-    for method in [TreeMethod::Greedy, TreeMethod::Optimal] {
+    for method in [TreeMethod::Greedy, TreeMethod::Ahead, TreeMethod::Optimal] {
         let settings = PlanSettings::default();
         let tree_settings = TreeSettings { method, ..TreeSettings::default() };
         let tree = plan_tree(&found.hypotheses, &sensor(), &settings, &tree_settings).expect("hypotheses");
@@ -330,7 +334,7 @@ fn one_hypothesis_needs_no_touch() {
     let found =
         recognize(&[house()], &touched(&house(), &[0, 1, 2]), &Settings::default()).expect("well-formed");
     assert_eq!(found.hypotheses.len(), 1);
-    for method in [TreeMethod::Greedy, TreeMethod::Optimal] {
+    for method in [TreeMethod::Greedy, TreeMethod::Ahead, TreeMethod::Optimal] {
         let tree = tree(&found.hypotheses, method);
         check_tree(&found.hypotheses, &tree);
         assert_eq!((tree.expected_touches, tree.entropy_bound, tree.worst_bound), (0.0, 0.0, 0));

@@ -5,13 +5,12 @@ use std::collections::BinaryHeap;
 
 use super::{Answers, Branch, Node, Status};
 use crate::plan::{Aim, Best, Path, Plan, PlanSettings, plan_with};
-use crate::plane::{Line, Scene};
 
 /// A tree, and what was learned on the way.
 pub(super) struct Grown {
     pub nodes: Vec<Node>,
-    /// Pairs of hypotheses, each with itself included, that the first path leaves at least, whichever it is.
-    pub num_left: usize,
+    /// No first path has a score below this.
+    pub bound: f64,
     /// The most classes of any path that was found; `None`: of those in the tree.
     pub max_outcomes: Option<usize>,
 }
@@ -39,18 +38,12 @@ impl Choice {
     }
 }
 
-/// What the planner finds among the members, and how many pairs of them any path leaves at least.
-pub(super) fn planned<'a>(
-    scene: &'a Scene,
-    members: &'a [usize],
-    settings: &PlanSettings,
-    late: &dyn Fn() -> bool,
-    listener: Option<&'a mut dyn FnMut(&Line)>,
-) -> (Choice, usize) {
-    let best = Best { aim: Aim::Branches, listener, ..Best::new(scene, members) };
+/// What the planner finds, and the score that no path is below, as far as it was proved.
+pub(super) fn planned(mut best: Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> (Choice, f64) {
+    best.aim = Aim::Branches;
     let plan = plan_with(best, settings, late);
-    let num_left = (plan.bound * members.len() as f64).round() as usize;
-    (Choice::of_plan(plan), num_left)
+    let bound = plan.bound;
+    (Choice::of_plan(plan), bound)
 }
 
 /// The tree whose paths are chosen by `choose`, which is asked at most `max_nodes` times.

@@ -5,11 +5,9 @@ use super::{AmbiguityTree, Node, Status, TreeMethod};
 
 impl AmbiguityTree {
     pub(super) fn new(names: Vec<String>, method: TreeMethod, found: Grown) -> Self {
-        let Grown { nodes, num_left, max_outcomes } = found;
+        let Grown { nodes, bound, max_outcomes } = found;
         let n = nodes[0].members.len();
-        let leaves = || nodes.iter().filter(|node| node.branches.is_empty());
-        let total: usize = leaves().map(|leaf| leaf.members.len() * leaf.touches()).sum();
-        let worst_touches = leaves().map(Node::touches).max().unwrap_or(0);
+        let (total, worst_touches) = total_touches(&nodes);
         let own = nodes.iter().map(|node| node.branches.len().saturating_sub(1)).max().unwrap_or(0);
         let max_outcomes = max_outcomes.unwrap_or(0).max(own).max(2);
         let mut identified = vec![0; 1 + nodes.iter().map(|node| node.level).max().unwrap_or(0)];
@@ -18,7 +16,7 @@ impl AmbiguityTree {
             .filter(|node| node.status == Status::Solved)
             .for_each(|leaf| identified[leaf.level] += 1);
         let expected_touches = total as f64 / n as f64;
-        let lower_bound = lower_bound(&nodes[0], num_left).min(expected_touches);
+        let lower_bound = lower_bound(&nodes[0], bound).min(expected_touches);
         Self {
             expected_touches,
             worst_touches,
@@ -32,6 +30,13 @@ impl AmbiguityTree {
             method,
         }
     }
+}
+
+/// Touches summed over the hypotheses, and in the worst case.
+pub(super) fn total_touches(nodes: &[Node]) -> (usize, usize) {
+    let leaves = || nodes.iter().filter(|node| node.branches.is_empty());
+    let total = leaves().map(|leaf| leaf.members.len() * leaf.touches()).sum();
+    (total, leaves().map(Node::touches).max().unwrap_or(0))
 }
 
 impl Node {
@@ -51,17 +56,18 @@ fn worst_bound(n: usize, b: usize) -> usize {
     touches
 }
 
-/// Expected touches of any tree whose first path leaves so many pairs at least.
+/// Expected touches of any tree whose first path has this score at least.
 ///
 /// If it leaves u hypotheses in classes of more than one, its classes hold at most `u² + n − u` pairs, so that
-/// `u² + n − u ≥ num_left`; each of these u needs another touch at least.
-fn lower_bound(root: &Node, num_left: usize) -> f64 {
+/// `u² + n − u ≥ n·bound`; each of these u needs another touch at least. Half a pair is granted to rounding.
+fn lower_bound(root: &Node, bound: f64) -> f64 {
     let n = root.members.len();
     match root.status {
         Status::Solved => 0.0,
         Status::Inseparable | Status::NoUsablePath => (n - 1) as f64,
         _ => {
-            let unidentified = (0..n).find(|u| u * u + n - u >= num_left).unwrap_or(n);
+            let enough = |u: &usize| (u * u + n - u) as f64 > n as f64 * bound - 0.5;
+            let unidentified = (0..n).find(enough).unwrap_or(n);
             1.0 + unidentified as f64 / n as f64
         }
     }

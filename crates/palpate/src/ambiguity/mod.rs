@@ -4,16 +4,18 @@
 //! are identified, or sets that no path divides. Pose sets are not shrunk within the tree, as the loop shrinks them after
 //! each touch, so that the tree is an upper bound on what the loop needs.
 
+mod ahead;
 mod grow;
 mod metrics;
 mod optimal;
+mod pool;
 mod relation;
 mod text;
 mod verify;
 
 use crate::Error;
 use crate::hypothesis::Hypothesis;
-use crate::plan::{Path, PlanSettings, check};
+use crate::plan::{Best, Path, PlanSettings, check};
 use crate::plane::Scene;
 use crate::sensor::Sensor;
 
@@ -26,8 +28,11 @@ pub enum TreeMethod {
     /// At each node the path whose branches are smallest, in the mean over hypotheses.
     #[default]
     Greedy,
+    /// At each node the path with which the fewest touches are expected, if greedy ones follow it; never more than the greedy
+    /// tree. For up to 128 hypotheses; above that it is the greedy one.
+    Ahead,
     /// Of all trees over the paths that were found, the one with the fewest expected touches, and of these the one with the
-    /// fewest in the worst case. For up to [`MOST_HYPOTHESES`]; above that it is the greedy one.
+    /// fewest in the worst case. For up to [`MOST_HYPOTHESES`]; above that it looks ahead.
     Optimal,
 }
 
@@ -185,20 +190,31 @@ pub fn plan_tree_until(
     check(hypotheses, settings)?;
     let scene = Scene::new(hypotheses, sensor, settings);
     let names = hypotheses.iter().map(|one| one.model.name.clone()).collect();
-    let everyone = scene.everyone();
-    if tree_settings.method == TreeMethod::Optimal && everyone.len() <= MOST_HYPOTHESES {
-        let found = optimal::plan(&scene, settings, tree_settings.max_nodes, late);
-        return Ok(AmbiguityTree::new(names, TreeMethod::Optimal, found));
-    }
-    let mut num_left = None;
-    let nodes = grow::grow(everyone, tree_settings.max_nodes, &mut |members| {
+    let max_nodes = tree_settings.max_nodes;
+    let n = hypotheses.len();
+    let method = match tree_settings.method {
+        TreeMethod::Optimal if n <= MOST_HYPOTHESES => TreeMethod::Optimal,
+        TreeMethod::Ahead | TreeMethod::Optimal if n <= Set::BITS as usize => TreeMethod::Ahead,
+        _ => TreeMethod::Greedy,
+    };
+    let found = match method {
+        TreeMethod::Greedy => greedy(&scene, settings, max_nodes, late),
+        TreeMethod::Ahead => ahead::plan(&scene, settings, max_nodes, late),
+        TreeMethod::Optimal => optimal::plan(&scene, settings, max_nodes, late),
+    };
+    Ok(AmbiguityTree::new(names, method, found))
+}
+
+/// At each node what the planner says is best.
+fn greedy(scene: &Scene, settings: &PlanSettings, max_nodes: usize, late: &dyn Fn() -> bool) -> grow::Grown {
+    let mut first = None;
+    let nodes = grow::grow(scene.everyone(), max_nodes, &mut |members| {
         if late() {
             return grow::Choice::unexpanded();
         }
-        let (choice, bound) = grow::planned(&scene, members, settings, late, None);
-        num_left = num_left.or(Some(bound));
+        let (choice, bound) = grow::planned(Best::new(scene, members), settings, late);
+        first = first.or(Some(bound));
         choice
     });
-    let found = grow::Grown { nodes, num_left: num_left.unwrap_or(0), max_outcomes: None };
-    Ok(AmbiguityTree::new(names, TreeMethod::Greedy, found))
+    grow::Grown { nodes, bound: first.unwrap_or(1.0), max_outcomes: None }
 }

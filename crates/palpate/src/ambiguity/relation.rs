@@ -1,7 +1,7 @@
 //! What a line tells, without coordinates, and the best tree over a pool of such relations (MATH 2.4).
 
 /// Hypotheses, one bit each.
-pub type Set = u32;
+pub type Set = u128;
 
 /// Most hypotheses for which the best tree is sought.
 pub const MOST_HYPOTHESES: usize = 12;
@@ -26,7 +26,7 @@ impl Relation {
     /// ```
     ///
     /// # Panics
-    /// More than 32 hypotheses.
+    /// More than 128 hypotheses.
     #[must_use]
     pub fn new(faults: Set, left: &[Set]) -> Self {
         assert!(left.len() <= Set::BITS as usize, "one bit for each hypothesis");

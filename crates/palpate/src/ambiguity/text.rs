@@ -21,6 +21,7 @@ impl AmbiguityTree {
         let many = if n == 1 { "hypothesis" } else { "hypotheses" };
         let how = match self.method {
             TreeMethod::Greedy => "greedy",
+            TreeMethod::Ahead => "looking ahead",
             TreeMethod::Optimal => "optimal over the paths found",
         };
         let mut text = format!("{n} {many}, {how}\n");
