@@ -7,14 +7,14 @@ mod parts;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use common::{Noise, contacts, star};
+use common::{Noise, contacts, star, uniform};
 use fastrand::Rng;
 use glam::{DVec2, dvec2};
 use palpate::ambiguity::{Optimum, Relation, Set, plan_tree_until};
-use palpate::plane::Model;
+use palpate::plane::{Model, Pose};
 use palpate::{
-    AmbiguityTree, Answers, Contact, Evidence, Feature, Hypothesis, Normal, PlanSettings, Sensor, Settings,
-    Status, TreeMethod, TreeSettings, judge, plan_tree, recognize, verification_path,
+    AmbiguityTree, Answers, Contact, Evidence, Feature, Hypothesis, Normal, PlanSettings, Planner, Sensor,
+    Settings, Status, TreeMethod, TreeSettings, judge, plan_tree, recognize, verification_path,
 };
 
 const POSITION_ERROR: f64 = 0.5;
@@ -274,6 +274,27 @@ fn trees_of_random_problems() {
     assert!(num_solved > 20 && num_deep > 0, "{num_solved} solved, {num_deep} need more than one touch");
 }
 
+/// What is proved of the first path bounds every tree of paths with margin.
+#[test]
+fn no_tree_is_below_the_bound() {
+    let settings = PlanSettings { planner: Planner::Complete, effort: 20_000, ..PlanSettings::default() };
+    let mut num_told = 0;
+    for hypotheses in (0..40).map(problem).filter(|some| tree(some, TreeMethod::Greedy).worst_touches > 1) {
+        let plan = |method| {
+            let tree_settings = TreeSettings { method, ..TreeSettings::default() };
+            plan_tree(&hypotheses, &sensor(), &settings, &tree_settings).expect("hypotheses")
+        };
+        let (greedy, optimal) = (plan(TreeMethod::Greedy), plan(TreeMethod::Optimal));
+        let size = hypotheses.iter().map(|one| one.model.size).fold(0.0, f64::max);
+        let mut paths = optimal.nodes.iter().filter_map(|node| node.path.as_ref());
+        if paths.all(|path| path.margin >= settings.margin * size) {
+            assert!(greedy.lower_bound <= optimal.expected_touches, "{}", optimal.to_text());
+            num_told += usize::from(greedy.lower_bound > 1.0);
+        }
+    }
+    assert!(num_told > 0);
+}
+
 #[test]
 fn a_tree_stopped_early_says_so() {
     let hypotheses =
@@ -365,14 +386,56 @@ fn a_verification_path_touches_something_new() {
 }
 
 /// Where a line crosses a face, and which face it was.
-fn crossing(
-    model: &Model,
-    pose: palpate::plane::Pose,
-    face: usize,
-    start: DVec2,
-    direction: DVec2,
-) -> Option<(f64, usize)> {
+fn crossing(model: &Model, pose: Pose, face: usize, start: DVec2, direction: DVec2) -> Option<(f64, usize)> {
     let [a, b] = [model.faces[face].start, model.faces[face].end].map(|end| pose.apply(end) - start);
     let (left, right) = (direction.perp_dot(a), direction.perp_dot(b));
     (left * right < 0.0).then(|| (direction.dot(a.lerp(b, left / (left - right))), face))
+}
+
+/// Any reading of any pose leads down the branch of its hypothesis, whatever the errors within their bounds.
+#[test]
+fn readings_lead_down_their_branches() {
+    let mut random = Rng::with_seed(4);
+    let mut count = 0;
+    for seed in 100..130 {
+        let hypotheses = problem(seed);
+        let tree = tree(&hypotheses, TreeMethod::Ahead);
+        for (k, hypothesis) in hypotheses.iter().enumerate() {
+            for pose in hypothesis.poses.sample(30, seed) {
+                count += follow(&tree, hypothesis, k, pose, &mut random);
+            }
+        }
+    }
+    assert!(count > 3_000, "{count} readings");
+}
+
+fn follow(
+    tree: &AmbiguityTree,
+    hypothesis: &Hypothesis,
+    number: usize,
+    pose: Pose,
+    random: &mut Rng,
+) -> usize {
+    let (mut node, mut count) = (tree.root(), 0);
+    while let Some(path) = &node.path {
+        let model = &hypothesis.model;
+        let (start, direction) = (path.line.start, path.line.direction);
+        let crossings =
+            (0..model.faces.len()).filter_map(|face| crossing(model, pose, face, start, direction));
+        let reading = crossings.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(depth, face)| {
+            let mut signed = |bound: f64| bound * (1.0 - 1e-9) * uniform(random, -1.5, 1.5).clamp(-1.0, 1.0);
+            let turn = DVec2::from_angle(signed(NORMAL_ERROR));
+            let shift = signed(POSITION_ERROR) * DVec2::from_angle(uniform(random, 0.0, 7.0));
+            let normal = turn.rotate(pose.rotation.rotate(model.faces[face].normal));
+            path.reading(path.line.at(depth) + shift, Some(normal))
+        });
+        let left: Vec<usize> = path.outcome_of(reading).iter().map(|place| node.members[*place]).collect();
+        let branch =
+            node.branches.iter().find(|branch| branch.members.contains(&number)).expect("it is in one");
+        assert!(left.contains(&number), "the truth is kept");
+        assert!(left.iter().all(|one| branch.members.contains(one)), "nothing else is");
+        node = &tree.nodes[branch.node.expect("it has members")];
+        count += 1;
+    }
+    count
 }
