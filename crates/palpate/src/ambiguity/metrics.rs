@@ -59,7 +59,7 @@ fn worst_bound(n: usize, b: usize) -> usize {
 /// Expected touches of any tree whose first path has this score at least.
 ///
 /// If it leaves u hypotheses in classes of more than one, its classes hold at most `u² + n − u` pairs, so that
-/// `u² + n − u ≥ n·bound`; each of these u needs another touch at least. Half a pair is granted to rounding.
+/// `u² + n − u ≥ n·bound`, and u is not 1; each of these u needs another touch at least. Half a pair is granted to rounding.
 fn lower_bound(root: &Node, bound: f64) -> f64 {
     let n = root.members.len();
     match root.status {
@@ -67,8 +67,8 @@ fn lower_bound(root: &Node, bound: f64) -> f64 {
         Status::Inseparable | Status::NoUsablePath => (n - 1) as f64,
         _ => {
             let enough = |u: &usize| (u * u + n - u) as f64 > n as f64 * bound - 0.5;
-            let unidentified = (0..n).find(enough).unwrap_or(n);
-            1.0 + unidentified as f64 / n as f64
+            let unidentified = (0..n).filter(|u| *u != 1).find(enough).unwrap_or(n);
+            (n + unidentified) as f64 / n as f64
         }
     }
 }
