@@ -251,7 +251,7 @@ fn check_branches(hypotheses: &[Hypothesis], tree: &AmbiguityTree, node: &palpat
 #[test]
 fn trees_of_random_problems() {
     let (mut num_solved, mut num_deep) = (0, 0);
-    for seed in 0..40 {
+    for seed in 0..24 {
         let hypotheses = problem(seed);
         let greedy = tree(&hypotheses, TreeMethod::Greedy);
         let optimal = tree(&hypotheses, TreeMethod::Optimal);
@@ -271,7 +271,7 @@ fn trees_of_random_problems() {
             assert_eq!(optimal, tree(&hypotheses, TreeMethod::Optimal));
         }
     }
-    assert!(num_solved > 20 && num_deep > 0, "{num_solved} solved, {num_deep} need more than one touch");
+    assert!(num_solved > 12 && num_deep > 0, "{num_solved} solved, {num_deep} need more than one touch");
 }
 
 /// What is proved of the first path bounds every tree of paths with margin.
@@ -279,7 +279,7 @@ fn trees_of_random_problems() {
 fn no_tree_is_below_the_bound() {
     let settings = PlanSettings { planner: Planner::Complete, margin: 0.02, ..PlanSettings::default() };
     let mut num_told = 0;
-    for hypotheses in (0..40).map(problem).filter(|some| tree(some, TreeMethod::Greedy).worst_touches > 1) {
+    for hypotheses in (0..24).map(problem).filter(|some| tree(some, TreeMethod::Greedy).worst_touches > 1) {
         let plan = |method| {
             let tree_settings = TreeSettings { method, ..TreeSettings::default() };
             plan_tree(&hypotheses, &sensor(), &settings, &tree_settings).expect("hypotheses")
@@ -341,7 +341,7 @@ fn what_can_not_be_told_apart_is_one_leaf() {
         recognize(&models, &touched(&house(), &[0, 1, 2]), &Settings::default()).expect("well-formed");
     assert_eq!(found.hypotheses.len(), 2);
     for method in [TreeMethod::Greedy, TreeMethod::Ahead, TreeMethod::Optimal] {
-        let settings = PlanSettings::default();
+        let settings = PlanSettings { margin: 0.01, ..PlanSettings::default() };
         let tree_settings = TreeSettings { method, ..TreeSettings::default() };
         let tree = plan_tree(&found.hypotheses, &sensor(), &settings, &tree_settings).expect("hypotheses");
         assert_eq!(tree.root().status, Status::Inseparable);
@@ -397,7 +397,7 @@ fn crossing(model: &Model, pose: Pose, face: usize, start: DVec2, direction: DVe
 fn readings_lead_down_their_branches() {
     let mut random = Rng::with_seed(4);
     let mut count = 0;
-    for seed in 100..130 {
+    for seed in 100..115 {
         let hypotheses = problem(seed);
         let tree = tree(&hypotheses, TreeMethod::Ahead);
         for (k, hypothesis) in hypotheses.iter().enumerate() {
@@ -406,7 +406,7 @@ fn readings_lead_down_their_branches() {
             }
         }
     }
-    assert!(count > 3_000, "{count} readings");
+    assert!(count > 1_500, "{count} readings");
 }
 
 fn follow(
