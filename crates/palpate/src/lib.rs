@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod ambiguity;
 pub mod contact;
 pub mod error;
 pub mod feature;
@@ -16,6 +17,9 @@ pub mod recognize;
 pub mod sensor;
 pub mod tree;
 
+pub use ambiguity::{
+    AmbiguityTree, Answers, Branch, Node, Status, TreeMethod, TreeSettings, plan_tree, verification_path,
+};
 pub use contact::{Contact, Evidence, Miss, Normal, Prior};
 pub use error::Error;
 pub use feature::Feature;

@@ -137,7 +137,7 @@ impl Path {
     }
 
     /// The order of paths, best first (DESIGN §2).
-    fn order(&self, other: &Self, m: f64) -> Ordering {
+    pub(crate) fn order(&self, other: &Self, m: f64) -> Ordering {
         let n = self.outcomes.len().max(1) as f64;
         let rounded = |value: f64, unit: f64| if unit > 0.0 { (value / unit).round() } else { value };
         let expected = |path: &Self| rounded(path.expected_score, 0.01 * n);
@@ -247,12 +247,16 @@ pub(crate) fn plan_among(
     settings: &PlanSettings,
     late: &dyn Fn() -> bool,
 ) -> Plan {
-    let mut best = Best { scene, members, path: None, num_judged: 0 };
-    if members.len() < 2 {
+    plan_with(Best::new(scene, members), settings, late)
+}
+
+/// Plans as `best` says: among its members, by its aim.
+pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> Plan {
+    if best.members.len() < 2 {
         return Plan { path: None, bound: 1.0, proved: true, num_judged: 0, num_boxes: 0 };
     }
     planners::sweep(&mut best, settings.stop, late);
-    let told = best.path.as_ref().is_some_and(Path::guaranteed);
+    let told = best.num_left() < best.members.len().pow(2);
     let mut proof = planners::Proof { bound: 1.0, proved: false, num_boxes: 0 };
     if settings.planner == Planner::Complete || !told {
         proof = planners::complete(&mut best, settings, late);
@@ -268,35 +272,70 @@ pub(crate) fn plan_among(
     }
 }
 
+/// What makes a path the best.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Aim {
+    /// Its score: pairs that it does not separate.
+    #[default]
+    Score,
+    /// `Σ (size of a class)²`, `n` times the expected size of a branch of the ambiguity tree. No less than the pairs
+    /// that are not separated, so that what bounds these bounds it as well.
+    Branches,
+}
+
 /// The best path so far.
 pub(crate) struct Best<'a> {
     pub scene: &'a Scene,
     pub members: &'a [usize],
     pub path: Option<Path>,
     pub num_judged: u64,
+    pub aim: Aim,
+    /// What `path` leaves, as the aim counts it.
+    left: usize,
+    /// Lines are judged even if they can't become the best.
+    pub thorough: bool,
+    /// Is told of every line that is judged, whether it can be used or not.
+    pub listener: Option<&'a mut dyn FnMut(&Line)>,
 }
 
-impl Best<'_> {
-    /// The number of pairs that the best path leaves; more than any if there is none.
+impl<'a> Best<'a> {
+    pub fn new(scene: &'a Scene, members: &'a [usize]) -> Self {
+        Self { scene, members, path: None, num_judged: 0, aim: Aim::Score, left: 0, thorough: false, listener: None }
+    }
+
+    /// The number of pairs that the best path leaves, as the aim counts them; more than any if there is none.
     pub fn num_left(&self) -> usize {
         let n = self.members.len();
-        self.path.as_ref().map_or(n * n + 1, |path| (path.score * n as f64).round() as usize)
+        if self.path.is_some() { self.left } else { n * n + 1 }
+    }
+
+    /// Whether a line that leaves so many pairs at least need not be judged.
+    pub fn hopeless(&self, left: usize) -> bool {
+        !self.thorough && left > self.num_left()
     }
 
     /// Judges a line; it becomes the best if it is better.
     pub fn offer(&mut self, line: &Line) {
         self.num_judged += 1;
+        if let Some(listener) = &mut self.listener {
+            listener(line);
+        }
         let Some(verdict) = self.scene.verdict(line, self.members, 0.0) else { return };
-        if verdict.num_left() > self.num_left() {
+        let left = match self.aim {
+            Aim::Score => verdict.num_left(),
+            Aim::Branches => verdict.classes().iter().map(|class| class.len().pow(2)).sum(),
+        };
+        if left > self.num_left() {
             return;
         }
         let path = judged(self.scene, self.members, line, None);
         if path.fault.is_some() {
             return;
         }
-        let better = |known: &Path| path.order(known, self.scene.margin) == Ordering::Less;
-        if self.path.as_ref().is_none_or(better) {
+        let order = |known: &Path| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));
+        if self.path.as_ref().is_none_or(|known| order(known) == Ordering::Less) {
             self.path = Some(path);
+            self.left = left;
         }
     }
 
@@ -305,7 +344,7 @@ impl Best<'_> {
     }
 }
 
-fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Result<(), Error> {
+pub(crate) fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Result<(), Error> {
     if hypotheses.is_empty() {
         return Err(Error::new(
             "hypotheses",

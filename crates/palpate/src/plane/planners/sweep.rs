@@ -19,7 +19,7 @@ const ROUNDS: [usize; 2] = [72, 360];
 /// So many proposals are looked at from all views, at most.
 const MOST_LOOKED_AT: usize = 600;
 
-/// So many are judged, at most, in a round.
+/// So many are judged, at most, in a round, unless the search is to be thorough.
 const MOST_JUDGED: usize = 48;
 
 /// Lines that meet the same features count as one; of each kind so many are kept.
@@ -59,8 +59,9 @@ pub(crate) fn sweep(best: &mut Best<'_>, stop: Stop, late: &dyn Fn() -> bool) {
             left.is_some()
         });
         proposals.sort_by(|a, b| a.left.cmp(&b.left).then(b.width.total_cmp(&a.width)));
-        for proposal in proposals.iter().take(MOST_JUDGED) {
-            if best.enough(stop) || proposal.left > best.num_left() || late() {
+        let most = if best.thorough { MOST_LOOKED_AT } else { MOST_JUDGED };
+        for proposal in proposals.iter().take(most) {
+            if best.enough(stop) || best.hopeless(proposal.left) || late() {
                 break;
             }
             if let Some(line) = scene.line(proposal.angle, proposal.aside) {
