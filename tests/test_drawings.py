@@ -2,6 +2,7 @@
 
 import math
 import random
+import re
 
 import ezdxf
 import numpy as np
@@ -121,12 +122,12 @@ def test_fine_chords_stay_one_closed_outline(tmp_path, points, kind):
     assert len(model.faces) <= 150
     assert model.position_slack <= 0.05 * (1 + 1e-9)
     assert model.normal_slack <= math.radians(7.5) * (1 + 1e-9)
-    assert re_count(model.mends) == len(points) - len(model.faces)
+    assert dropped_points(model.mends) == len(points) - len(model.faces)
     drawn = np.vstack([points, points[:1]])[:: max(1, len(points) // 600)]
     check_follows_points(np.vstack([points, points[:1]]), drawn, model)
 
 
-def re_count(mends):
+def dropped_points(mends):
     """How many points the mends say were dropped."""
     return sum(int(mend.split()[0]) for mend in mends if "point(s)" in mend and "dropped" in mend)
 
@@ -158,7 +159,7 @@ def test_short_faces_that_turn_stay(tmp_path):
 
 
 def drawing_of(seed):
-    """The lines of a drawing of one outline, and lines that touch it."""
+    """The lines of a drawing of one outline, lines that touch it, and whether gaps are wider than chords."""
     rng = random.Random(seed)
     count = rng.randrange(3, 9)
     angles = [2 * math.pi * (k + 0.6 * rng.random()) / count for k in range(count)]
@@ -179,17 +180,23 @@ def drawing_of(seed):
     for corner in rng.sample(points, rng.randrange(0, 3)):
         away = np.array(corner) / np.hypot(*corner)
         dangling.append(np.array([corner, np.array(corner) + away * rng.uniform(1.0, 30.0)]))
-    return segments, dangling
+    shortest = min(length for segment in segments if (length := math.dist(*segment)) > 0.0)
+    return segments, dangling, gap > 0.25 * shortest
 
 
 @given(st.integers(0, 10**9))
 @settings(deadline=None, max_examples=150)
 def test_random_outlines_are_closed_and_followed(seed):
-    segments, dangling = drawing_of(seed)
+    segments, dangling, is_unclear = drawing_of(seed)
     pieces = [Piece(segment) for segment in segments]
     pieces += [Piece(line, layer="DIM") for line in dangling]
     random.Random(seed).shuffle(pieces)
-    (shape,) = shapes_of(Drawing(pieces), tolerance=Tolerance(0.05, math.radians(7.5)))
+    try:
+        (shape,) = shapes_of(Drawing(pieces), tolerance=Tolerance(0.05, math.radians(7.5)))
+    except OutlineError as error:
+        # An end may miss its own chord and meet another: the place is named.
+        assert is_unclear and re.search(r"(meet at|its ends) \(", str(error))
+        return
     assert shape.closed
     (loop,) = shape.loops
     assert np.all(loop[0] == loop[-1])
@@ -461,6 +468,15 @@ def test_what_an_svg_does_not_show_is_not_read(tmp_path, content, faces, mends):
     assert model.mends == mends
 
 
+def test_the_frame_of_an_svg_is_its_upper_left_corner_with_y_up(tmp_path):
+    path = tmp_path / "part.svg"
+    view = 'width="100mm" height="50mm" viewBox="-60 -20 200 100"'
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {view}><rect width="20" height="40"/></svg>')
+    (model,) = load_models(path)
+    assert np.min(model.vertices, axis=0) == pytest.approx([30, -30])
+    assert np.max(model.vertices, axis=0) == pytest.approx([40, -10])
+
+
 # --- refusals ---------------------------------------------------------------------------------------
 
 
@@ -499,6 +515,21 @@ def test_a_file_that_is_cut_off_is_refused(tmp_path):
     path.write_text(text[: text.rindex("LINE")])
     with pytest.raises(ValueError, match=r"part\.dxf: it is cut off: the last line is not EOF; export"):
         load_models(path)
+
+
+def test_damage_is_said_and_damaged_numbers_are_refused(tmp_path, capfd):
+    path = dxf(tmp_path, lambda space: lines(space, SQUARE))
+    text = path.read_text()
+    path.write_text(text.replace("ENDSEC\n  0\nSECTION\n  2\nOBJECTS", "SECTION\n  2\nOBJECTS"))
+    (model,) = load_models(path)
+    assert model.mends == ["the file was damaged, 1 place(s) mended: compare the picture with the drawing"]
+    path.write_text(text.replace("AcDbLine\n 10\n0.0", "AcDbLine\n 10\n4o.0"))
+    with pytest.raises(ValueError, match=r"part\.dxf: a number in it is damaged; export or copy it again"):
+        load_models(path)
+    path.write_text(text.replace("AcDbLine\n 10\n", "AcDbLine\nten\n", 1))
+    with pytest.raises(ValueError, match=r"part\.dxf: not a readable DXF file: it is damaged"):
+        load_models(path)
+    assert capfd.readouterr() == ("", "")
 
 
 def test_paper_space_is_named(tmp_path):

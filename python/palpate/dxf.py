@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn
@@ -197,11 +199,13 @@ def _document(path: Path, notes: list[str]) -> Any:
     from ezdxf import recover
     from ezdxf.lldxf.const import DXFStructureError
 
+    heard: list[str] = []
     try:
         try:
             document = ezdxf.readfile(path)
         except (DXFStructureError, UnicodeDecodeError):
-            document, auditor = recover.readfile(path)
+            with _listening("ezdxf", heard):
+                document, auditor = recover.readfile(path)
             mended = len(auditor.errors) + len(auditor.fixes)
             count = f"{mended} place(s) mended" if mended else "what could be read is read"
             notes.append(f"the file was damaged, {count}: compare the picture with the drawing")
@@ -211,10 +215,27 @@ def _document(path: Path, notes: list[str]) -> Any:
         _refuse_unreadable(path)
     except Exception:  # on damaged files the library raises whatever comes up, assertions included
         _refuse_unreadable(path)
+    if any("invalid" in message for message in heard):
+        # The library takes what is left of a number for it: lines would be elsewhere.
+        refuse(path.name, "a number in it is damaged", "export or copy it again")
     text = path.read_bytes()
     if not text.startswith(b"AutoCAD Binary DXF") and not text.rstrip(b"\x00\x1a \r\n\t").endswith(b"EOF"):
         refuse(path.name, "it is cut off: the last line is not EOF", "export or copy it again")
     return document
+
+
+@contextmanager
+def _listening(name: str, heard: list[str]) -> Iterator[None]:
+    """Keeps what a library logs, in place of printing it."""
+    logger, handler = logging.getLogger(name), logging.Handler()
+    handler.emit = lambda record: heard.append(record.getMessage())  # type: ignore[method-assign]
+    propagated, logger.propagate = logger.propagate, False
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.propagate = propagated
 
 
 def _refuse_unreadable(path: Path) -> NoReturn:
