@@ -9,6 +9,7 @@ mod contact;
 mod convert;
 mod evidence;
 mod hypothesis;
+mod interrupt;
 mod interpretations;
 mod model;
 mod recognize;

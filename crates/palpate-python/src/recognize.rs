@@ -12,6 +12,7 @@ use crate::contact::PyContact;
 use crate::convert::{members, number, raise, refuse, text, whole};
 use crate::evidence::{PyMiss, PyPrior};
 use crate::hypothesis::PyHypothesis;
+use crate::interrupt::interruptible;
 use crate::interpretations::PyInterpretations;
 use crate::model::PyModel;
 
@@ -59,7 +60,8 @@ pub(crate) fn recognize(
     };
     let settings = settings(features, tolerance, max_hypotheses)?;
     let models: Vec<Arc<Model>> = parts.iter().map(|part| Arc::clone(&part.get().model)).collect();
-    let found = py.detach(|| palpate::recognize(&models, &evidence, &settings)).map_err(raise)?;
+    let found =
+        interruptible(py, |halt| palpate::recognize_until(&models, &evidence, &settings, halt))?.map_err(raise)?;
     PyRecognition::new(py, found, &parts)
 }
 

@@ -348,7 +348,7 @@ fn deepest(model: &Model, path: [DVec2; 2], pieces: &[[f64; 2]], floor: f64, eno
     };
     let mut open = Vec::new();
     let mut best = (0.0, pieces.first().map_or(0.0, |[from, to]| 0.5 * (from + to)));
-    let mut take = |best: &mut (f64, f64), t: f64| {
+    let take = |best: &mut (f64, f64), t: f64| {
         let seen = look(t);
         if let Some((_, distance, _)) = seen.filter(|(_, distance, _)| *distance > best.0) {
             *best = (distance, t);

@@ -1,0 +1,39 @@
+//! Long calls that Ctrl-C ends.
+
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use palpate::recognize::Halt;
+use pyo3::prelude::*;
+
+/// How often signals are looked for.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Runs `work` without the interpreter's lock, on another thread, while this one looks for signals. When one raises, `work`
+/// is told to halt, and what it raised is raised.
+pub(crate) fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&Halt) -> T + Send) -> PyResult<T> {
+    let halt = Halt::default();
+    let flag = Halt::clone(&halt);
+    let outcome = py.detach(move || {
+        rayon::in_place_scope(|scope| {
+            let (done, result) = channel();
+            let told = Halt::clone(&flag);
+            scope.spawn(move |_| drop(done.send(work(&told))));
+            let mut raised = None;
+            loop {
+                match result.recv_timeout(PAUSE) {
+                    Ok(value) => return raised.map_or(Some(Ok(value)), |error| Some(Err(error))),
+                    Err(RecvTimeoutError::Timeout) if raised.is_none() => {
+                        raised = Python::attach(|py| py.check_signals()).err();
+                        flag.store(raised.is_some(), Relaxed);
+                    }
+                    Err(RecvTimeoutError::Timeout) => {}
+                    // The work panicked: the scope will say so.
+                    Err(RecvTimeoutError::Disconnected) => return None,
+                }
+            }
+        })
+    });
+    outcome.expect("the scope passes on a panic of the work")
+}
