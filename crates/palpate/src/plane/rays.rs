@@ -563,7 +563,7 @@ impl PlacedCell {
 
 /// Corners of the convex hull (Andrew's chains). Rounding may keep a point too many, or leave one out by a rounding
 /// error, which `outward` covers.
-fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
+pub(crate) fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     points.dedup();
     if points.len() < 3 {
