@@ -40,8 +40,8 @@ pub(super) struct Wall {
 
 /// Two walls of different members that a point may be assigned to.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Block {
-    pub members: [usize; 2],
+struct Block {
+    members: [usize; 2],
     walls: [u32; 2],
     normal: f64,
 }
@@ -52,7 +52,9 @@ pub(super) struct Plane {
     pub walls: Vec<Wall>,
     /// Of each cell, the number of a set of walls whose regions cover it.
     cover: Vec<u32>,
-    /// Of each set of walls, the blocking boundaries.
+    /// Sets of walls.
+    sets: Vec<Vec<u32>>,
+    /// Of each set, the blocking boundaries.
     blocks: Vec<Vec<Block>>,
     /// Some hypothesis may be there: the union.
     pub occupied: Vec<bool>,
@@ -107,6 +109,7 @@ impl Plane {
         let mut plane = Self {
             grid,
             cover: Vec::with_capacity(covers.len()),
+            sets: Vec::new(),
             blocks: Vec::new(),
             occupied: covers.iter().map(|cover| !cover.is_empty()).collect(),
             depth: vec![0; covers.len()],
@@ -122,6 +125,7 @@ impl Plane {
             let number = *sets.entry(cover.clone()).or_insert(next);
             if number == next {
                 plane.blocks.push(blocks(scene, &plane.walls, &cover));
+                plane.sets.push(cover);
             }
             plane.cover.push(number);
         }
@@ -156,10 +160,17 @@ impl Plane {
         self.cover[cell]
     }
 
-    /// The blocking boundaries of a set that block travel in a direction: those whose faces look toward it.
-    pub fn blocking(&self, cover: u32, direction: DVec2) -> impl Iterator<Item = &Block> {
-        let faces_it = move |block: &&Block| DVec2::from_angle(block.normal).dot(direction) < 0.0;
-        self.blocks[cover as usize].iter().filter(faces_it)
+    /// The pairs of members whose blocking boundaries in a set block travel in a direction: their faces look toward it.
+    pub fn blocking(&self, cover: u32, direction: DVec2) -> impl Iterator<Item = [usize; 2]> {
+        let toward = move |block: &&Block| DVec2::from_angle(block.normal).dot(direction) < 0.0;
+        self.blocks[cover as usize].iter().filter(toward).map(|block| block.members)
+    }
+
+    /// The members with a face in a set that looks toward travel in a direction.
+    pub fn met(&self, cover: u32, direction: DVec2) -> impl Iterator<Item = usize> {
+        let walls = self.sets[cover as usize].iter().map(|wall| &self.walls[*wall as usize]);
+        let toward = move |wall: &&Wall| DVec2::from_angle(wall.normal).dot(direction) < 0.0;
+        walls.filter(toward).map(|wall| wall.member)
     }
 
     /// Whether a blocking boundary of this wall runs through the point.

@@ -12,9 +12,10 @@
 //! - Start points are some cells of the union's boundary, evenly thinned, from which the face is not met at more than Ω;
 //!   besides the channels, lines between some cells of both boundaries are tried.
 //! - Blocking boundaries are counted as pairs of hypotheses between which the path passes one, of faces that look toward
-//!   it. Of paths that pass as few, the one through the widest channel comes first.
+//!   it. Pairs that it passes by count as well. Of paths that pass as few, the best of each channel come first, that of
+//!   the widest before others.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use glam::DVec2;
 
@@ -39,10 +40,12 @@ struct Channel {
     width: f64,
 }
 
-/// A line, and how many pairs of hypotheses it passes blocking boundaries of.
+/// A line, and how many pairs of hypotheses it leaves as far as blocking boundaries say.
 struct Proposal {
     line: Line,
-    num_blocked: usize,
+    left: usize,
+    /// Among those through the same channel.
+    rank: usize,
     width: f64,
 }
 
@@ -53,21 +56,18 @@ pub(crate) fn schneiter(best: &mut Best<'_>, cells: usize, settings: &PlanSettin
     let deepest = plane.depth.iter().copied().max().unwrap_or(0);
     let starts = plane.boundary(|cell| plane.occupied[cell]);
     let ends = plane.boundary(|cell| plane.occupied[cell] && plane.depth[cell] == deepest);
+    let search = Search { scene, plane: &plane, num_members: best.members.len(), deepest };
     let mut proposals = Vec::new();
-    let mut search =
-        Search { plane: &plane, num_members: best.members.len(), deepest, proposals: &mut proposals };
     for channel in channels(&plane) {
         if late() {
             break;
         }
-        search.through(scene, &channel, &starts);
+        proposals.extend(search.through(&channel, &starts));
     }
     for end in thinned(&ends, NUM_JOINED) {
-        for start in thinned(&starts, NUM_JOINED) {
-            search.trace(plane.grid.center(start), plane.grid.center(end), 0.0);
-        }
+        proposals.extend(search.to(plane.grid.center(end), &starts));
     }
-    proposals.sort_by(|a, b| a.num_blocked.cmp(&b.num_blocked).then(b.width.total_cmp(&a.width)));
+    proposals.sort_by(|a, b| a.left.cmp(&b.left).then(a.rank.cmp(&b.rank)).then(b.width.total_cmp(&a.width)));
     for proposal in proposals.iter().take(MOST_JUDGED) {
         if best.enough(settings.stop) || best.num_judged >= settings.effort || late() {
             return;
@@ -110,39 +110,54 @@ fn channels(plane: &Plane) -> Vec<Channel> {
 
 /// Traces lines through the plane.
 struct Search<'a> {
+    scene: &'a Scene,
     plane: &'a Plane,
     num_members: usize,
     /// So many parts hold the places at which paths end.
     deepest: u32,
-    proposals: &'a mut Vec<Proposal>,
 }
 
 impl Search<'_> {
     /// Lines from the union's boundary through a channel.
-    fn through(&mut self, scene: &Scene, channel: &Channel, starts: &[usize]) {
-        let steepest = scene.sensor.max_incidence.cos();
-        for start in thinned(starts, NUM_STARTS) {
-            let from = self.plane.grid.center(start);
-            let direction = (channel.at - from).try_normalize().unwrap_or(-channel.normal);
-            if -direction.dot(channel.normal) >= steepest {
-                self.trace(from, from + direction, channel.width);
-            }
-        }
-        self.trace(channel.at + channel.normal, channel.at, channel.width);
+    fn through(&self, channel: &Channel, starts: &[usize]) -> Vec<Proposal> {
+        let steepest = self.scene.sensor.max_incidence.cos();
+        let toward = |start: usize| (channel.at - self.plane.grid.center(start)).try_normalize();
+        let directions = thinned(starts, NUM_STARTS).filter_map(toward);
+        let mut directions: Vec<DVec2> =
+            directions.chain([-channel.normal]).filter(|one| -one.dot(channel.normal) >= steepest).collect();
+        directions.sort_by(|a, b| a.dot(channel.normal).total_cmp(&b.dot(channel.normal)));
+        self.ranked(
+            directions.into_iter().map(|direction| Line { start: channel.at, direction }),
+            channel.width,
+        )
     }
 
-    /// A line through two points, proposed if it reaches a place where paths end; it counts what it passes until then.
-    fn trace(&mut self, from: DVec2, through: DVec2, width: f64) {
+    /// Lines from the union's boundary to a place where paths end.
+    fn to(&self, end: DVec2, starts: &[usize]) -> Vec<Proposal> {
+        let toward = |start: usize| (end - self.plane.grid.center(start)).try_normalize();
+        let directions = thinned(starts, NUM_JOINED).filter_map(toward);
+        self.ranked(directions.map(|direction| Line { start: end, direction }), 0.0)
+    }
+
+    /// Those lines that reach a place where paths end; of them, those that leave fewest first.
+    fn ranked(&self, lines: impl Iterator<Item = Line>, width: f64) -> Vec<Proposal> {
+        let traced = lines.filter_map(|line| Some((self.trace(&line)?, line)));
+        let mut traced: Vec<(usize, Line)> = traced.collect();
+        traced.sort_by_key(|(left, _)| *left);
+        let proposal = |(rank, (left, line))| Proposal { line, left, rank, width };
+        traced.into_iter().enumerate().map(proposal).collect()
+    }
+
+    /// The pairs that a line leaves, as far as blocking boundaries say; `None` if it reaches no place where paths end.
+    fn trace(&self, line: &Line) -> Option<usize> {
         let grid = self.plane.grid;
-        let Some(direction) = (through - from).try_normalize() else { return };
-        let diagonal = grid.cells as f64 * grid.step / FRAC_1_SQRT_2;
-        let middle = grid.low + 0.5 * grid.cells as f64 * grid.step;
-        let foot = from + (middle - from).dot(direction) * direction;
-        let step = 0.5 * grid.step;
-        let at = |k: usize| foot + (step * k as f64 - 0.5 * diagonal) * direction;
+        let side = grid.cells as f64 * grid.step;
+        let middle = grid.low + 0.5 * side;
+        let (nearest, step) = (line.coordinates(middle).0, 0.5 * grid.step);
+        let at = |k: usize| line.at(nearest + step * k as f64 - FRAC_1_SQRT_2 * side);
         let mut passed: Vec<u32> = Vec::new();
         let mut reached = self.deepest == 0;
-        for cell in (0..(diagonal / step) as usize).filter_map(|k| grid.cell(at(k))) {
+        for cell in (0..(SQRT_2 * side / step) as usize).filter_map(|k| grid.cell(at(k))) {
             if self.deepest > 0 && self.plane.depth[cell] == self.deepest {
                 reached = true;
                 break;
@@ -152,21 +167,25 @@ impl Search<'_> {
                 passed.push(cover);
             }
         }
-        if reached {
-            let num_blocked = self.num_blocked(passed, direction);
-            self.proposals.push(Proposal { line: Line { start: from, direction }, num_blocked, width });
-        }
+        reached.then(|| self.num_left(passed, line.direction))
     }
 
-    /// Pairs of hypotheses with a blocking boundary among the passed.
-    fn num_blocked(&self, mut passed: Vec<u32>, direction: DVec2) -> usize {
+    /// Pairs of hypotheses with a blocking boundary among the passed, and pairs that are not met at all.
+    fn num_left(&self, mut passed: Vec<u32>, direction: DVec2) -> usize {
         passed.sort_unstable();
         passed.dedup();
+        let mut met = vec![false; self.num_members];
         let mut blocked = vec![false; self.num_members * self.num_members];
-        for block in passed.into_iter().flat_map(|cover| self.plane.blocking(cover, direction)) {
-            let [a, b] = block.members;
-            blocked[a.min(b) * self.num_members + a.max(b)] = true;
+        for cover in passed {
+            for member in self.plane.met(cover, direction) {
+                met[member] = true;
+            }
+            for [a, b] in self.plane.blocking(cover, direction) {
+                blocked[a.min(b) * self.num_members + a.max(b)] = true;
+            }
         }
-        blocked.into_iter().filter(|pair| *pair).count()
+        let num_passed_by = met.iter().filter(|met| !**met).count();
+        let num_blocked = blocked.iter().filter(|blocked| **blocked).count();
+        num_blocked + num_passed_by * num_passed_by.saturating_sub(1) / 2
     }
 }
