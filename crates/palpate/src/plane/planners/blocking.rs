@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
+use super::whole;
 use crate::plane::Surface;
 use crate::plane::arc::wrap;
 use crate::plane::rays::convex_hull;
@@ -79,13 +80,13 @@ impl Grid {
     pub fn cell(&self, point: DVec2) -> Option<usize> {
         let at = (point - self.low) / self.step;
         let inside = |value: f64| value >= 0.0 && value < self.cells as f64;
-        (inside(at.x) && inside(at.y)).then(|| at.y as usize * self.cells + at.x as usize)
+        (inside(at.x) && inside(at.y)).then(|| whole(at.y) * self.cells + whole(at.x))
     }
 
     /// Columns or rows from `low` to `high`, as far as there are any.
     fn span(&self, low: f64, high: f64) -> std::ops::Range<usize> {
         let place = |value: f64| (value / self.step).clamp(0.0, self.cells as f64);
-        place(low).floor() as usize..place(high).ceil() as usize
+        whole(place(low))..whole(place(high).ceil())
     }
 }
 
@@ -119,17 +120,22 @@ impl Plane {
             let closed = scene.shadows[*member].model().closed;
             plane.fill(place, closed, &covers);
         }
-        let mut sets: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
-        for cover in covers {
-            let next = sets.len() as u32;
-            let number = *sets.entry(cover.clone()).or_insert(next);
-            if number == next {
-                plane.blocks.push(blocks(scene, &plane.walls, &cover));
-                plane.sets.push(cover);
-            }
-            plane.cover.push(number);
-        }
+        plane.number(scene, covers);
         plane
+    }
+
+    /// Numbers the sets of walls that cover cells, and derives the blocking boundaries of each.
+    fn number(&mut self, scene: &Scene, covers: Vec<Vec<u32>>) {
+        let mut numbers: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        for cover in covers {
+            let next = numbers.len() as u32;
+            let number = *numbers.entry(cover.clone()).or_insert(next);
+            if number == next {
+                self.blocks.push(blocks(scene, &self.walls, &cover));
+                self.sets.push(cover);
+            }
+            self.cover.push(number);
+        }
     }
 
     /// Counts a member in the cells that it surely holds: inside its outline, outside of its extended faces.

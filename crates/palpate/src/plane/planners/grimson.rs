@@ -12,10 +12,12 @@ use std::f64::consts::PI;
 
 use glam::DVec2;
 
+use super::whole;
 use crate::plan::{Best, PlanSettings};
 use crate::plane::arc::wrap;
 use crate::plane::pose::Pose;
 use crate::plane::scene::{Scene, directions};
+use crate::plane::{Face, Surface, Vertex};
 use crate::tree::Range;
 
 /// A rendered bucket: depth, and how far the normal is turned from the way back; `None` if nothing is met.
@@ -101,14 +103,66 @@ fn image(scene: &Scene, member: usize, angle: f64, cells: usize) -> Image {
     scene.views[member].iter().map(|pose| render(scene, member, *pose, angle, cells)).collect()
 }
 
-/// What is met first from each bucket, the nearer hiding the farther.
+/// A line of buckets, seen by a camera that looks in one direction.
+struct Canvas<'a> {
+    scene: &'a Scene,
+    along: DVec2,
+    buckets: Vec<Seen>,
+}
+
+/// What is met first from each bucket.
 fn render(scene: &Scene, member: usize, pose: Pose, angle: f64, cells: usize) -> Vec<Seen> {
-    let mut buckets: Vec<Seen> = vec![None; cells];
-    let width = 2.0 * scene.radius / cells as f64;
-    let mut draw = |from: f64, to: f64, reading: &dyn Fn(f64) -> (f64, f64)| {
-        let first = ((from + scene.radius) / width - 0.5).ceil().max(0.0) as usize;
-        for (k, bucket) in buckets.iter_mut().enumerate().skip(first) {
-            let aside = (k as f64 + 0.5) * width - scene.radius;
+    let mut canvas = Canvas { scene, along: DVec2::from_angle(angle), buckets: vec![None; cells] };
+    let model = scene.shadows[member].model();
+    for face in model.faces.iter().filter(|face| face.surface != Surface::Seam) {
+        canvas.draw_face(face, pose, model.closed);
+    }
+    for vertex in model.vertices.iter().filter(|_| scene.sensor.tip_radius > 0.0) {
+        canvas.draw_vertex(vertex, pose);
+    }
+    canvas.buckets
+}
+
+impl Canvas<'_> {
+    /// How far to the left of the middle, and how far along.
+    fn place(&self, at: DVec2) -> (f64, f64) {
+        (self.along.perp().dot(at - self.scene.middle), self.along.dot(at - self.scene.middle))
+    }
+
+    /// A face, moved out by the tip's radius. Of a closed part its back is never met first; of a loose one it is in the way.
+    fn draw_face(&mut self, face: &Face, pose: Pose, closed: bool) {
+        let normal = pose.rotation.rotate(face.normal);
+        let front = normal.dot(self.along) < 0.0;
+        if !front && closed {
+            return;
+        }
+        let outward = if front { normal } else { -normal };
+        let turn = if front && face.is_touchable() { wrap((-self.along).angle_to(normal)) } else { NEVER };
+        let moved = |end: DVec2| pose.apply(end) + self.scene.sensor.tip_radius * outward;
+        let ends = [face.start, face.end].map(|end| self.place(moved(end)));
+        let [(s0, t0), (s1, t1)] = if ends[0].0 <= ends[1].0 { ends } else { [ends[1], ends[0]] };
+        if s1 > s0 {
+            self.draw(s0, s1, &|aside| (t0 + (aside - s0) * (t1 - t0) / (s1 - s0), turn));
+        }
+    }
+
+    /// A vertex, as a ball meets it.
+    fn draw_vertex(&mut self, vertex: &Vertex, pose: Pose) {
+        let (s, t) = self.place(pose.apply(vertex.point));
+        let radius = self.scene.sensor.tip_radius;
+        let allowed = self.scene.rules.vertices && vertex.normals.is_some();
+        self.draw(s - radius, s + radius, &|aside| {
+            let turn = ((s - aside) / radius).clamp(-1.0, 1.0).asin();
+            (t - radius * turn.cos(), if allowed { turn } else { NEVER })
+        });
+    }
+
+    /// Fills the buckets whose middles are between two places, the nearer hiding the farther.
+    fn draw(&mut self, from: f64, to: f64, reading: &dyn Fn(f64) -> (f64, f64)) {
+        let width = 2.0 * self.scene.radius / self.buckets.len() as f64;
+        let first = whole(((from + self.scene.radius) / width - 0.5).ceil());
+        for (k, bucket) in self.buckets.iter_mut().enumerate().skip(first) {
+            let aside = (k as f64 + 0.5) * width - self.scene.radius;
             if aside > to {
                 break;
             }
@@ -117,36 +171,7 @@ fn render(scene: &Scene, member: usize, pose: Pose, angle: f64, cells: usize) ->
                 *bucket = Some(seen);
             }
         }
-    };
-    let along = DVec2::from_angle(angle);
-    let radius = scene.sensor.tip_radius;
-    let model = scene.shadows[member].model();
-    let place = |at: DVec2| (along.perp().dot(at - scene.middle), along.dot(at - scene.middle));
-    for face in model.faces.iter().filter(|face| face.surface != crate::plane::Surface::Seam) {
-        let normal = pose.rotation.rotate(face.normal);
-        let front = normal.dot(along) < 0.0;
-        if !front && model.closed {
-            continue;
-        }
-        let outward = if front { normal } else { -normal };
-        let turn = if front && face.is_touchable() { wrap(normal.to_angle() - angle - PI) } else { NEVER };
-        let ends = [face.start, face.end].map(|end| place(pose.apply(end) + radius * outward));
-        let [(s0, t0), (s1, t1)] = if ends[0].0 <= ends[1].0 { ends } else { [ends[1], ends[0]] };
-        if s1 > s0 {
-            draw(s0, s1, &|aside| (t0 + (aside - s0) * (t1 - t0) / (s1 - s0), turn));
-        }
     }
-    // A ball may meet a vertex.
-    for vertex in model.vertices.iter().filter(|_| radius > 0.0) {
-        let (s, t) = place(pose.apply(vertex.point));
-        let allowed = scene.rules.vertices && vertex.normals.is_some();
-        draw(s - radius, s + radius, &|aside| {
-            let sine = ((s - aside) / radius).clamp(-1.0, 1.0);
-            let turn = sine.asin();
-            (t - radius * turn.cos(), if allowed { turn } else { NEVER })
-        });
-    }
-    buckets
 }
 
 impl Rendering<'_> {

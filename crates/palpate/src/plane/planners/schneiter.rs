@@ -20,6 +20,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use glam::DVec2;
 
 use super::blocking::Plane;
+use super::whole;
 use crate::plan::{Best, PlanSettings};
 use crate::plane::rays::Line;
 use crate::plane::scene::Scene;
@@ -92,7 +93,7 @@ fn channels(plane: &Plane) -> Vec<Channel> {
         let [from, to] = wall.ends;
         let count = (from.distance(to) / plane.grid.step).ceil().max(1.0);
         let place = |k: usize| from.lerp(to, (k as f64 + 0.5) / count);
-        let blocked: Vec<bool> = (0..count as usize).map(|k| plane.blocked(number, place(k))).collect();
+        let blocked: Vec<bool> = (0..whole(count)).map(|k| plane.blocked(number, place(k))).collect();
         let mut first = 0;
         for run in blocked.chunk_by(|a, b| a == b) {
             let last = first + run.len() - 1;
@@ -157,7 +158,7 @@ impl Search<'_> {
         let at = |k: usize| line.at(nearest + step * k as f64 - FRAC_1_SQRT_2 * side);
         let mut passed: Vec<u32> = Vec::new();
         let mut reached = self.deepest == 0;
-        for cell in (0..(SQRT_2 * side / step) as usize).filter_map(|k| grid.cell(at(k))) {
+        for cell in (0..whole(SQRT_2 * side / step)).filter_map(|k| grid.cell(at(k))) {
             if self.deepest > 0 && self.plane.depth[cell] == self.deepest {
                 reached = true;
                 break;
