@@ -9,10 +9,10 @@ use std::sync::Arc;
 use common::{Noise, contacts};
 use fastrand::Rng;
 use glam::{DVec2, dvec2};
-use palpate::plane::{Model, Pose};
+use palpate::plane::{Line, Model, Pose};
 use palpate::{
-    Contact, EllisCounters, Evidence, Feature, Hypothesis, Normal, Plan, PlanSettings, Planner, Sensor,
-    Settings, Stop, judge, plan, recognize,
+    Contact, EllisCounters, Evidence, Fault, Feature, Hypothesis, Normal, Plan, PlanSettings, Planner,
+    Sensor, Settings, Stop, judge, plan, recognize,
 };
 
 const OF_THE_THESIS: [Planner; 3] = [Planner::Ellis, Planner::GRIMSON, Planner::SCHNEITER];
@@ -78,8 +78,9 @@ fn keyholes() -> Vec<Hypothesis> {
         touch(-3.0, 8.0, -DVec2::X),
         touch(13.0, 0.0, DVec2::X),
         touch(12.0, 9.0, DVec2::Y),
-        // On both sides of the slot's mouth: no other pose has it there.
-        touch(5.5, 9.0, DVec2::Y).with_normal(Normal::new(DVec2::Y, 1e-4).expect("a normal")),
+        // Where the mouth of the slot would be, were the parts upside down, and on both sides of it.
+        touch(5.0, -8.0, -DVec2::Y),
+        touch(5.7, 9.0, DVec2::Y),
         touch(4.4, 9.0, DVec2::Y),
     ];
     let evidence = Evidence { contacts, ..Evidence::default() };
@@ -184,6 +185,7 @@ fn a_lesser_path_is_found_sooner() {
 fn ellis_does_not_see_down_the_keyhole_and_complete_does() {
     let hypotheses = keyholes();
     assert_eq!(hypotheses.len(), 2);
+    assert!(hypotheses.iter().all(|one| one.poses.contains(Pose::IDENTITY)));
     let sensor = Sensor::new(0.25, Some(2_f64.to_radians()), 60_f64.to_radians()).expect("a good sensor");
     let told = |planner: Planner| {
         let plan = plan(&hypotheses, &sensor, &by(planner)).expect("good settings");
@@ -284,4 +286,29 @@ fn moving_the_world_does_not_change_what_ellis_tells() {
         });
         assert_eq!(scores[0], scores[1]);
     }
+}
+
+/// Two loose faces that meet in a corner which sticks out, at a pose that contacts fix well.
+fn loose_corner() -> Vec<Hypothesis> {
+    let [far, corner, end] = [dvec2(0.0, 10.0), DVec2::ZERO, dvec2(10.0, 0.0)];
+    let model = Model::segments("corner", &[[far, corner], [corner, end]], &[], &[], 0.0, 0.0);
+    let touch = |x: f64, y: f64, normal: DVec2| {
+        let normal = Normal::new(normal, 1e-4).expect("a normal");
+        Contact::new(dvec2(x, y), 0.0, 1e-3).expect("a contact").with_normal(normal)
+    };
+    let contacts = vec![touch(1.0, 0.0, -DVec2::Y), touch(9.0, 0.0, -DVec2::Y), touch(0.0, 9.0, -DVec2::X)];
+    let evidence = Evidence { contacts, ..Evidence::default() };
+    let models = [Arc::new(model.expect("two faces"))];
+    recognize(&models, &evidence, &Settings::default()).expect("well formed").hypotheses
+}
+
+#[test]
+fn the_back_of_a_loose_face_is_in_the_way_of_a_ball() {
+    let hypotheses = loose_corner();
+    let sensor = sensor().with_tip(2.0, 0.0).expect("a good tip");
+    // Into the corner from the inside: the ball meets the backs, which its radius moves inward.
+    let direction = DVec2::from_angle(240_f64.to_radians());
+    let line = Line { start: dvec2(0.5, 0.0) - 40.0 * direction, direction };
+    let path = judge(&hypotheses, &sensor, line, None, &PlanSettings::default()).expect("a good line");
+    assert!(matches!(path.fault, Some((_, Fault::Untouchable))), "{path:?}");
 }
