@@ -25,6 +25,6 @@ pub use error::Error;
 pub use feature::Feature;
 pub use hypothesis::{Count, Hypothesis, Interpretation};
 pub use judge::{Fault, Outcome, Reading, Touch, Verdict};
-pub use plan::{Path, Plan, PlanSettings, Planner, Stop, judge, plan};
+pub use plan::{EllisCounters, Path, Plan, PlanSettings, Planner, Stop, judge, plan};
 pub use recognize::{ModelReport, Recognition, Settings, recognize, recognize_until};
 pub use sensor::Sensor;

@@ -9,6 +9,8 @@ use crate::hypothesis::Hypothesis;
 use crate::judge::{Fault, Outcome, Reading, Verdict};
 use crate::plane::planners;
 use crate::plane::{Line, Scene};
+
+pub use crate::plane::planners::EllisCounters;
 use crate::sensor::Sensor;
 
 /// Where candidate paths come from.
@@ -19,6 +21,47 @@ pub enum Planner {
     Auto,
     /// All lines, by branch and bound: no usable path of margin ≥ m is better.
     Complete,
+    /// The thesis's own search: lines through generators, at critical slopes (3.1 to 3.3, 4.1).
+    Ellis,
+    /// Grimson's: renderings in fixed directions, searched by divide and conquer (5.4.2).
+    Grimson {
+        /// Buckets of each rendering.
+        cells: usize,
+        /// Directions, evenly spaced.
+        directions: usize,
+    },
+    /// Schneiter's: from the boundary of the union to that of the intersection, past blocking boundaries (5.4.3).
+    Schneiter {
+        /// Cells along each side of the plane's grid.
+        cells: usize,
+    },
+}
+
+impl Planner {
+    /// Grimson's, with the usual grid.
+    pub const GRIMSON: Self = Self::Grimson { cells: 256, directions: 72 };
+
+    /// Schneiter's, with the usual grid.
+    pub const SCHNEITER: Self = Self::Schneiter { cells: 256 };
+
+    /// A grid is to have enough cells to show a part, and few enough to fit into memory.
+    fn check(self) -> Result<(), Error> {
+        let within = |argument: &str, value: usize, [low, high]: [usize; 2]| {
+            if (low..=high).contains(&value) {
+                return Ok(());
+            }
+            let problem = format!("must be from {low} to {high}");
+            Err(Error::new(argument, problem, value, "leave it out for the usual grid"))
+        };
+        match self {
+            Self::Grimson { cells, directions } => {
+                within("cells", cells, [8, 16384])?;
+                within("directions", directions, [1, 7200])
+            }
+            Self::Schneiter { cells } => within("cells", cells, [8, 2048]),
+            Self::Auto | Self::Complete | Self::Ellis => Ok(()),
+        }
+    }
 }
 
 /// When a path is good enough.
@@ -46,7 +89,7 @@ pub struct PlanSettings {
     pub directions: Option<(DVec2, f64)>,
     /// m, relative to the size of the largest part.
     pub margin: f64,
-    /// Boxes of lines that `complete` may examine, at most.
+    /// Boxes of lines that `complete` may examine, lines that the thesis's planners may judge, at most.
     pub effort: u64,
     /// For what is drawn at random.
     pub seed: u64,
@@ -165,6 +208,8 @@ pub struct Plan {
     pub num_judged: u64,
     /// Boxes of lines examined.
     pub num_boxes: u64,
+    /// What the thesis's own search did, if it was asked for.
+    pub counters: Option<EllisCounters>,
 }
 
 /// The best path found by the planner among the hypotheses.
@@ -253,13 +298,23 @@ pub(crate) fn plan_among(
 /// Plans as `best` says: among its members, by its aim.
 pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> Plan {
     if best.members.len() < 2 {
-        return Plan { path: None, bound: 1.0, proved: true, num_judged: 0, num_boxes: 0 };
+        return Plan { path: None, bound: 1.0, proved: true, num_judged: 0, num_boxes: 0, counters: None };
     }
-    planners::sweep(&mut best, settings.stop, late);
-    let told = best.num_left() < best.members.len().pow(2);
     let mut proof = planners::Proof { bound: 1.0, proved: false, num_boxes: 0 };
-    if settings.planner == Planner::Complete || !told {
-        proof = planners::complete(&mut best, settings, late);
+    let mut counters = None;
+    match settings.planner {
+        Planner::Auto | Planner::Complete => {
+            planners::sweep(&mut best, settings.stop, late);
+            let told = best.num_left() < best.members.len().pow(2);
+            if settings.planner == Planner::Complete || !told {
+                proof = planners::complete(&mut best, settings, late);
+            }
+        }
+        Planner::Ellis => counters = Some(planners::ellis(&mut best, settings, late)),
+        Planner::Grimson { cells, directions } => {
+            planners::grimson(&mut best, [cells, directions], settings, late);
+        }
+        Planner::Schneiter { cells } => planners::schneiter(&mut best, cells, settings, late),
     }
     let perfect = best.path.as_ref().is_some_and(|path| path.score <= 1.0);
     let path = best.path;
@@ -269,6 +324,7 @@ pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn 
         path,
         num_judged: best.num_judged,
         num_boxes: proof.num_boxes,
+        counters,
     }
 }
 
@@ -353,6 +409,7 @@ pub(crate) fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Resul
             "give found.hypotheses of a recognition",
         ));
     }
+    settings.planner.check()?;
     if !(1e-6..=0.1).contains(&settings.margin) {
         let remedy = "give a share of the part's size from 1e-6 to 0.1, such as 1e-3";
         return Err(Error::new("margin", "is out of range", settings.margin, remedy));

@@ -280,15 +280,11 @@ impl Shadow {
         if near.low > reach || near.high < -reach {
             return None;
         }
-        // The radius moves the face to one side.
-        let moved = Range::of_dot(cell.turned(face.normal), line.left(), cell.half).times(sensor.tip_radius);
-        if near.low + moved.low > allowance.aside || near.high + moved.high < -allowance.aside {
-            return None;
-        }
         let normals = Arc::around(cell.mid + face.normal.to_angle(), cell.half + allowance.angle);
         let incidence = incidence(normals, line);
-        if incidence.low >= FRAC_PI_2 {
-            // The back of a face: of a closed part it is never met first, of a loose one it is in the way.
+        if incidence.low >= FRAC_PI_2 || (incidence.high >= FRAC_PI_2 && !self.model.closed) {
+            // The back of a face: of a closed part it is never met first, of a loose one it is in the way, and the radius
+            // moves it to the other side.
             if self.model.closed {
                 return None;
             }
@@ -300,6 +296,11 @@ impl Shadow {
                 normals: normals.turn(PI),
                 fault: Some(Fault::Untouchable),
             });
+        }
+        // The radius moves the face to one side.
+        let moved = Range::of_dot(cell.turned(face.normal), line.left(), cell.half).times(sensor.tip_radius);
+        if near.low + moved.low > allowance.aside || near.high + moved.high < -allowance.aside {
+            return None;
         }
         let depth = self.face_depth(cell, [start, end], number, line, sensor.tip_radius, allowance)?;
         let limit = sensor.max_incidence;
@@ -574,7 +575,7 @@ impl PlacedCell {
 
 /// Corners of the convex hull (Andrew's chains). Rounding may keep a point too many, or leave one out by a rounding
 /// error, which `outward` covers.
-fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
+pub(crate) fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     points.dedup();
     if points.len() < 3 {

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::arc::wrap;
 use super::pose::Pose;
 use super::rays::{Allowance, Contacted, Line, Rules, Shadow, first_contact};
+use super::thesis::Placement;
 use crate::hypothesis::Hypothesis;
 use crate::judge::{Outcome, Reading, Verdict};
 use crate::plan::PlanSettings;
@@ -28,6 +29,8 @@ pub(crate) struct Scene {
     pub shadows: Vec<Shadow>,
     /// Valid poses of each hypothesis, spread over its set.
     pub views: Vec<Vec<Pose>>,
+    /// Where the thesis places each.
+    pub placements: Vec<Placement>,
     samples: Vec<Vec<Pose>>,
     pub sensor: Sensor,
     pub rules: Rules,
@@ -63,8 +66,11 @@ impl Scene {
             avoid_assigned: settings.avoid_assigned,
         };
         let (mut shadows, mut views, mut samples) = (Vec::new(), Vec::new(), Vec::new());
+        let mut placements = Vec::new();
         for ((shadow, sampled), one) in parts.into_iter().zip(hypotheses) {
-            views.push(spread(one.poses.witness(), &sampled, &shadow));
+            let looked_from = spread(one.poses.witness(), &sampled, &shadow);
+            placements.push(Placement::new(&one.poses, &looked_from));
+            views.push(looked_from);
             samples.push(sampled.into_iter().take(NUM_EXPECTED).collect());
             shadows.push(shadow);
         }
@@ -73,6 +79,7 @@ impl Scene {
         Self {
             shadows,
             views,
+            placements,
             samples,
             sensor: *sensor,
             rules,

@@ -8,6 +8,7 @@ use glam::DVec2;
 use super::arc::{Arc, wrap};
 use super::case::Case;
 use super::pose::Pose;
+use super::pose_set::PoseSet;
 use crate::feature::Feature;
 
 /// The thesis's description of one interpretation of faces with sensed normals.
@@ -146,4 +147,42 @@ fn region(matches: &[Match], angle: f64, nominal: DVec2, reach: f64) -> Vec<DVec
         corners = super::region::clip(&corners, -normal, one.bound - height);
     }
     corners
+}
+
+/// Where the thesis's search places a hypothesis (3.3.1).
+#[derive(Debug)]
+pub(crate) struct Placement {
+    /// The nominal pose.
+    pub nominal: Pose,
+    /// At the least and the largest rotation, each with its own nominal translation.
+    pub extremes: [Pose; 2],
+    /// Half the range of rotations.
+    pub half: f64,
+    /// Faces that a contact is assigned to.
+    pub sensed: Vec<bool>,
+}
+
+impl Placement {
+    /// Of the first interpretation; where the thesis's formulas are not defined, of the `views`: the first of them, and
+    /// those turned farthest from it either way.
+    pub fn new(poses: &PoseSet, views: &[Pose]) -> Self {
+        let mut sensed = vec![false; poses.model().faces.len()];
+        let assignment = poses.assignments().next().unwrap_or_default();
+        for feature in &assignment {
+            if let Feature::Face(number) = feature {
+                sensed[*number as usize] = true;
+            }
+        }
+        if let Some(thesis) = poses.thesis_pose() {
+            let half = 0.5 * thesis.residual_rotation.max(0.0);
+            let extremes = [thesis.low, thesis.high];
+            return Self { nominal: thesis.world_from_model(), extremes, half, sensed };
+        }
+        let nominal = views.first().copied().unwrap_or(Pose::IDENTITY);
+        let turned = |pose: &Pose| wrap(pose.angle() - nominal.angle());
+        let compare = |a: &&Pose, b: &&Pose| turned(a).total_cmp(&turned(b));
+        let low = views.iter().min_by(compare).copied().unwrap_or(nominal);
+        let high = views.iter().max_by(compare).copied().unwrap_or(nominal);
+        Self { nominal, extremes: [low, high], half: 0.5 * (turned(&high) - turned(&low)), sensed }
+    }
 }
