@@ -356,7 +356,16 @@ pub(crate) struct Best<'a> {
 
 impl<'a> Best<'a> {
     pub fn new(scene: &'a Scene, members: &'a [usize]) -> Self {
-        Self { scene, members, path: None, num_judged: 0, aim: Aim::Score, left: 0, thorough: false, listener: None }
+        Self {
+            scene,
+            members,
+            path: None,
+            num_judged: 0,
+            aim: Aim::Score,
+            left: 0,
+            thorough: false,
+            listener: None,
+        }
     }
 
     /// The number of pairs that the best path leaves, as the aim counts them; more than any if there is none.
