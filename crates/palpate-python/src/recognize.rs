@@ -12,8 +12,8 @@ use crate::contact::PyContact;
 use crate::convert::{members, number, raise, refuse, text, whole};
 use crate::evidence::{PyMiss, PyPrior};
 use crate::hypothesis::PyHypothesis;
-use crate::interrupt::interruptible;
 use crate::interpretations::PyInterpretations;
+use crate::interrupt::interruptible;
 use crate::model::PyModel;
 
 type Any<'py> = Bound<'py, PyAny>;
@@ -60,8 +60,8 @@ pub(crate) fn recognize(
     };
     let settings = settings(features, tolerance, max_hypotheses)?;
     let models: Vec<Arc<Model>> = parts.iter().map(|part| Arc::clone(&part.get().model)).collect();
-    let found =
-        interruptible(py, |halt| palpate::recognize_until(&models, &evidence, &settings, halt))?.map_err(raise)?;
+    let found = interruptible(py, |halt| palpate::recognize_until(&models, &evidence, &settings, halt))?
+        .map_err(raise)?;
     PyRecognition::new(py, found, &parts)
 }
 
@@ -87,7 +87,7 @@ fn settings(
 }
 
 /// Names of kinds of features.
-fn kinds(features: &Any<'_>) -> PyResult<Vec<String>> {
+pub(crate) fn kinds(features: &Any<'_>) -> PyResult<Vec<String>> {
     const REMEDY: &str = "give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")";
     let given = members("features", features, "names", REMEDY)?;
     let kinds: Vec<String> = given
@@ -113,7 +113,7 @@ fn one_prior(prior: &Any<'_>) -> PyResult<palpate::Prior> {
 }
 
 /// The members of a sequence, all of one class.
-fn all<'py, T: PyClass>(
+pub(crate) fn all<'py, T: PyClass>(
     argument: &str,
     value: &Any<'py>,
     class: &str,
