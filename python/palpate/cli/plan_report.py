@@ -74,7 +74,7 @@ def _worth(path: Path) -> str:
     expected = f"expected: {path.expected_score:.3g}"
     if path.guaranteed:
         if path.score <= 1.0:
-            return f"Guaranteed: it separates all {n} (score 1)."
+            return f"Guaranteed: it separates {'both' if n == 2 else f'all {n}'} (score 1)."
         return f"Guaranteed: at most {path.score:.4g} of {n} are left, in the mean (score); {expected}."
     hardly = ", hardly worth a touch" if path.expected_score >= n - HARDLY else ""
     return f"Only expected to tell, nothing is certain: score {path.score:.4g} of {n}; {expected} left{hardly}."
@@ -90,7 +90,7 @@ def _margin(path: Path, wanted: float, *, unit: str) -> str:
 def _answers(path: Path, labels: Sequence[str], *, size: float, unit: str) -> Table:
     """What each answer would leave."""
     table = Table(box=box.SIMPLE_HEAD)
-    for head in ("answer", f"at ({unit})", "on", "leaves"):
+    for head in ("answer", f"at ({unit})", "normal (°)", "on", "leaves"):
         table.add_column(head)
     outcome_of = {outcome.hypothesis: outcome for outcome in path.outcomes}
     for members in path.classes:
@@ -100,16 +100,29 @@ def _answers(path: Path, labels: Sequence[str], *, size: float, unit: str) -> Ta
         table.add_row(
             _answer(among),
             f"{decimal(low, size)} to {decimal(high, size)}" if depths else "",
+            _normals(path, among),
             _features(among),
             ", ".join(f"{member + 1} {escape(labels[member])}" for member in members),
         )
-    table.add_row("anything else", "", "", "recognize again")
+    table.add_row("anything else", "", "", "", "recognize again")
     return table
 
 
 def _answer(outcomes: Sequence[Outcome]) -> str:
     touch, miss = any(o.touches for o in outcomes), any(o.may_miss for o in outcomes)
     return "contact or none" if touch and miss else "contact" if touch else "no contact"
+
+
+def _normals(path: Path, outcomes: Sequence[Outcome]) -> str:
+    """From the least to the largest angle, counted from the way back, which all normals are near."""
+    back = math.atan2(-path.direction[1], -path.direction[0])
+    near: list[float] = []
+    for start, end in (touch.normals for outcome in outcomes for touch in outcome.touches):
+        low = math.remainder((start + end) / 2 - back, math.tau) - (end - start) / 2
+        near += [low, low + end - start]
+    if not near:
+        return ""
+    return f"{math.degrees(back + min(near)):.1f} to {math.degrees(back + max(near)):.1f}"
 
 
 def _features(outcomes: Sequence[Outcome]) -> str:
