@@ -1,7 +1,7 @@
 //! The next path.
 
 use palpate::plane::Line;
-use palpate::{Error, Hypothesis, Plan, Why};
+use palpate::{Hypothesis, Plan, Why};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -35,12 +35,6 @@ pub(crate) fn sensor(value: &Any<'_>) -> PyResult<palpate::Sensor> {
         Ok(sensor) => Ok(sensor.get().0),
         Err(_) => Err(refuse("sensor", "must be a Sensor", value, "give palpate.Sensor")),
     }
-}
-
-/// The core has another name for one of Python's arguments.
-pub(crate) fn raise_planning(error: Error, options: &Options) -> PyErr {
-    let grid = options.settings.directions.is_none() && error.argument == "directions";
-    raise(if grid { Error { argument: "directions_tried".to_owned(), ..error } } else { error })
 }
 
 #[doc = doc!("plan")]
@@ -86,7 +80,7 @@ fn planned(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) -
         });
         (plan, late.get())
     })?;
-    let plan = plan.map_err(|error| raise_planning(error, options))?;
+    let plan = plan.map_err(raise)?;
     let path = plan.path.clone().map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()?;
     let why = plan.why(hypotheses.len(), &settings, late);
     Ok(PyPlanReport { plan, path, why })

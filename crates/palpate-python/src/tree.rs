@@ -6,10 +6,11 @@ use palpate::{AmbiguityTree, Answers, Branch, Node, Status, TreeMethod};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::convert::raise;
 use crate::interrupt::interruptible;
 use crate::options::{GROWN, JUDGED, Options, PLACED, SEARCHED};
 use crate::path::PyPath;
-use crate::plan::{hypotheses, raise_planning, sensor};
+use crate::plan::{hypotheses, sensor};
 
 type Any<'py> = Bound<'py, PyAny>;
 
@@ -53,8 +54,8 @@ pub(crate) fn plan_tree<'py>(
     let (settings, tree, deadline) = (options.settings, options.tree, options.deadline());
     let tree = interruptible(py, |halt| {
         palpate::plan_tree_until(&hypotheses, &sensor, &settings, &tree, &|| deadline.late(halt))
-    })?;
-    let tree = tree.map_err(|error| raise_planning(error, &options))?;
+    })?
+    .map_err(raise)?;
     Ok(PyTree { tree: Arc::new(tree), tip_radius: sensor.tip_radius })
 }
 

@@ -57,7 +57,7 @@ impl Planner {
         match self {
             Self::Grimson { cells, directions } => {
                 within("cells", cells, [8, 16384])?;
-                within("directions", directions, [1, 7200])
+                within("directions_tried", directions, [1, 7200])
             }
             Self::Schneiter { cells } => within("cells", cells, [8, 2048]),
             Self::Auto | Self::Complete | Self::Ellis => Ok(()),
