@@ -72,7 +72,9 @@ def raw(text):
 
 def docs_rs():
     """The texts of the stub for the compiled module."""
-    rules = "".join(f'    ("{name}") => {{\n        {raw(text)}\n    }};\n' for name, text in documented().items())
+    rules = "".join(
+        f'    ("{name}") => {{\n        {raw(text)}\n    }};\n' for name, text in documented().items()
+    )
     return f"""\
 //! What `help()` shows, the texts of `python/palpate/_core.pyi`. Change them there, then write this file anew
 //! with `python tests/test_bindings.py`.

@@ -15,7 +15,12 @@ def touch(point, normal):
     return palpate.Contact(point, normal, position_error=0.01, normal_error=0.001)
 
 
-LEFT_OPEN = [touch((10, 0), (0, -1)), touch((50, 0), (0, -1)), touch((0, 10), (-1, 0)), touch((60, 20), (1, 0))]
+LEFT_OPEN = [
+    touch((10, 0), (0, -1)),
+    touch((50, 0), (0, -1)),
+    touch((0, 10), (-1, 0)),
+    touch((60, 20), (1, 0)),
+]
 
 
 def wedge(outline=WEDGE, **rest):

@@ -1,4 +1,4 @@
-"""The core's judge against another: sampled poses, another library's ray casting. It is never more optimistic."""
+"""The core's judge is never more optimistic than sampled poses and another library's ray casting."""
 
 import itertools
 import math
@@ -110,7 +110,11 @@ def noisy(random, path, aside, *, reading, sensor):
     """The reading as the sensor may give it."""
     depth, _, normal, _ = reading
     left = np.array([-path.direction[1], path.direction[0]])
-    error = sensor.position_error * random.uniform() * np.array([math.cos(a := random.uniform(0, 6.3)), math.sin(a)])
+    error = (
+        sensor.position_error
+        * random.uniform()
+        * np.array([math.cos(a := random.uniform(0, 6.3)), math.sin(a)])
+    )
     center = path.start + aside * left + depth * path.direction + error
     sensed = {}
     if sensor.normal_error is not None:
@@ -133,7 +137,9 @@ def test_the_judge_is_never_more_optimistic(seed):
         for k, outcome in enumerate(path.outcomes):
             for aside, reading in seen[k]:
                 check_outcome(outcome, reading, sensor)
-                answer = None if reading is None else noisy(random, path, aside, reading=reading, sensor=sensor)
+                answer = (
+                    None if reading is None else noisy(random, path, aside, reading=reading, sensor=sensor)
+                )
                 left = path.outcome_of(answer)
                 # What was promised: the truth is left, and nothing of another class.
                 assert k in left
@@ -166,7 +172,10 @@ def apart(a, b, sensor):
     for one in a.touches:
         for other in b.touches:
             gap = max(one.depth[0] - other.depth[1], other.depth[0] - one.depth[1])
-            turned = sensor.normal_error is not None and arc_gap(one.normals, other.normals) > 2 * sensor.normal_error
+            turned = (
+                sensor.normal_error is not None
+                and arc_gap(one.normals, other.normals) > 2 * sensor.normal_error
+            )
             if gap <= 2 * sensor.position_error and not turned:
                 return False
     return True

@@ -42,7 +42,9 @@ def test_plan_says_where_to_go_and_what_each_answer_leaves(folder, capsys):
 
 def test_plan_as_json(folder, capsys):
     document = json.loads(
-        run(capsys, "plan", *SIX, "--contacts", "hand.json", "--planner", "ellis", "--json", "--tip-radius", 2)
+        run(
+            capsys, "plan", *SIX, "--contacts", "hand.json", "--planner", "ellis", "--json", "--tip-radius", 2
+        )
     )
     validate(document, "plan-1")
     found = palpate.recognize(palpate.load_models(SIX), palpate.standard_contacts("human-hand"))
@@ -73,8 +75,8 @@ def test_the_flags_of_the_sensor(folder, capsys):
 def test_where_and_how_to_search(folder, capsys):
     arguments = (
         "plan", *SIX, "--contacts", "hand.json", "--json", "--workspace", "-250,-200,300,250", "--directions",
-        "-90,30", "--avoid-assigned", "--stop", "share=0.5", "--seed", 3, "--effort", 1000, "--time-limit", 60,
-        "--features", "face",
+        "-90,30", "--avoid-assigned", "--stop", "share=0.5", "--seed", 3, "--effort", 1000, "--time-limit",
+        60, "--features", "face",
     )  # fmt: skip
     document = json.loads(run(capsys, *arguments))
     path = document["path"]
@@ -110,13 +112,27 @@ def test_the_keyhole(folder, capsys):
 
 def test_what_is_not_guaranteed_is_marked(folder, capsys):
     # With so coarse a sensor nothing is certain, but poses that are drawn tell.
-    out = run(capsys, "plan", *SIX, "--contacts", "hand.json", "--position-error", 40, "--no-normal", "--effort", 500)
+    out = run(
+        capsys,
+        "plan",
+        *SIX,
+        "--contacts",
+        "hand.json",
+        "--position-error",
+        40,
+        "--no-normal",
+        "--effort",
+        500,
+    )
     assert "Guaranteed" in out or "Only expected to tell, nothing is certain" in out
 
 
 def test_one_hypothesis_and_none(folder, capsys):
-    write_contacts("none.json", [palpate.Contact(p, n, position_error=0.01, normal_error=0.001)
-                                 for p, n in (((0, 0), (0, 1)), ((1, 0), (1, 0)), ((500, 0), (0, 1)))])  # fmt: skip
+    far_apart = (((0, 0), (0, 1)), ((1, 0), (1, 0)), ((500, 0), (0, 1)))
+    write_contacts(
+        "none.json",
+        [palpate.Contact(p, n, position_error=0.01, normal_error=0.001) for p, n in far_apart],
+    )
     out = run(capsys, "plan", "boot", "--contacts", "none.json", "--plot", "no.svg", "--tree")
     assert "no part at any pose explains them" in out and "next path" not in out
     document = json.loads(run(capsys, "plan", "boot", "--contacts", "none.json", "--json"))
@@ -168,7 +184,7 @@ def test_bad_flags_are_one_line(folder, capsys, *, flags, named):
     out, err = capsys.readouterr()
     assert (status, out) == (2, "")
     assert err.startswith("palpate: ") and err.count("\n") == 1
-    assert named in err and flags[0] in err or flags[0].startswith("--plot")
+    assert (named in err and flags[0] in err) or flags[0].startswith("--plot")
 
 
 def test_misses_alone_are_refused_as_in_recognize(folder, capsys):

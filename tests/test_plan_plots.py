@@ -43,7 +43,7 @@ def test_an_unusable_path_and_none(hands):
     inside = palpate.judge(hands, usual_sensor(), (0, 40), (1, 0))
     assert "can't be used (start" in plot_path(hands, inside).axes[0].get_title()
     assert plot_path(hands, None).axes[0].get_title() == "4 hypotheses: no path"
-    with pytest.raises(ValueError, match="^hypotheses: must not be empty"):
+    with pytest.raises(ValueError, match=r"^hypotheses: must not be empty"):
         plot_path([], None)
 
 

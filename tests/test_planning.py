@@ -134,9 +134,9 @@ def test_grids_change_what_is_found(hands):
     few = palpate.plan(hands, usual_sensor(), planner="grimson", cells=16, directions_tried=2)
     assert few is None or few != palpate.plan(hands, usual_sensor(), planner="grimson")
     assert judged("grimson", directions_tried=1) < judged("grimson", directions_tried=720) + 1
-    assert palpate.plan(hands, usual_sensor(), planner="grimson", cells=256, directions_tried=72) == palpate.plan(
-        hands, usual_sensor(), planner="grimson", cells=None, directions_tried=None
-    )
+    assert palpate.plan(
+        hands, usual_sensor(), planner="grimson", cells=256, directions_tried=72
+    ) == palpate.plan(hands, usual_sensor(), planner="grimson", cells=None, directions_tried=None)
     assert palpate.plan(hands, usual_sensor(), planner="schneiter", cells=256) == palpate.plan(
         hands, usual_sensor(), planner="schneiter"
     )
@@ -163,7 +163,9 @@ def test_where_paths_may_run(hands):
 
 def test_assigned_faces_can_be_avoided(hands):
     lines = palpate.Lines(hands, usual_sensor(), avoid_assigned=True)
-    faults = {lines.judge(angle, offset).fault for angle in np.arange(-3, 3, 0.3) for offset in range(-80, 81, 20)}
+    faults = {
+        lines.judge(angle, offset).fault for angle in np.arange(-3, 3, 0.3) for offset in range(-80, 81, 20)
+    }
     assert "assigned" in {fault[1] for fault in faults if fault is not None}
     path = palpate.plan(hands, usual_sensor(), avoid_assigned=True)
     same = palpate.judge(hands, usual_sensor(), path.start, path.direction, avoid_assigned=True)
@@ -249,7 +251,9 @@ def test_lines(hands):
             path = lines.judge(angle, offset)
             left = np.array([-math.sin(angle), math.cos(angle)])
             assert left @ (path.start - lines.middle) == pytest.approx(offset)
-            assert math.isclose(math.dist(path.start, lines.middle), math.hypot(lines.radius, offset), rel_tol=0.05)
+            assert math.isclose(
+                math.dist(path.start, lines.middle), math.hypot(lines.radius, offset), rel_tol=0.05
+            )
             assert np.isnan(scores[i, j]) if path.fault else scores[i, j] == path.score
     assert scores[0, 3] == len(hands)  # passes by everything
     assert "Lines within" in repr(lines)

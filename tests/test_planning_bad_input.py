@@ -151,7 +151,7 @@ def test_the_table_is_long_enough():
 
 
 def test_the_grid_is_named_where_directions_are_given_too():
-    with pytest.raises(ValueError, match="^directions_tried: must be from 1 to 7200"):
+    with pytest.raises(ValueError, match=r"^directions_tried: must be from 1 to 7200"):
         plan(planner="grimson", directions=((0, 1), 1.0), directions_tried=10000)
 
 

@@ -1,4 +1,4 @@
-"""Sensors, paths and ambiguity trees as JSON documents; the schemas are `schemas/plan-1.json` and `tree-1.json`."""
+"""Sensors, paths and ambiguity trees as JSON; the schemas are `schemas/plan-1.json` and `tree-1.json`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,16 @@ import json
 import math
 from typing import Any
 
-from palpate._core import AmbiguityBranch, AmbiguityNode, AmbiguityTree, Outcome, Path, PlanReport, Sensor, Touch
+from palpate._core import (
+    AmbiguityBranch,
+    AmbiguityNode,
+    AmbiguityTree,
+    Outcome,
+    Path,
+    PlanReport,
+    Sensor,
+    Touch,
+)
 
 
 def sensor_entry(sensor: Sensor) -> dict[str, Any]:

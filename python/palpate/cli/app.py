@@ -36,7 +36,8 @@ class _Group(_HelpIsAFlag, TyperGroup):
 app = typer.Typer(
     name=PROGRAM,
     cls=_Group,
-    help="Recognize and localize a known part by touch: every part and pose that explains a few contacts, and the next touch.",
+    help="Recognize and localize a known part by touch: every part and pose that explains a few contacts, "
+    "and the next touch.",
     epilog="Example: palpate demo",
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -47,9 +48,9 @@ app.command(cls=_Command, epilog="Example: palpate demo --part boot --seed 3 --p
 app.command(
     cls=_Command, epilog="Example: palpate recognize boot parts/ --contacts touches.csv --plot found.svg"
 )(recognize)
-app.command(
-    cls=_Command, epilog="Example: palpate plan boot camera --contacts touches.csv --plot next.svg"
-)(plan)
+app.command(cls=_Command, epilog="Example: palpate plan boot camera --contacts touches.csv --plot next.svg")(
+    plan
+)
 app.command(cls=_Command, epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
 
 

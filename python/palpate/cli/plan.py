@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,7 +11,6 @@ from rich.console import Console
 
 from palpate import (
     AmbiguityTree,
-    Contact,
     Hypothesis,
     PlanReport,
     Recognition,
@@ -96,7 +94,7 @@ def plan(
     stats: options.Stats = False,
     json: options.Json = False,
 ) -> None:
-    """The next touch: the path whose answer tells the hypotheses apart best, and what each answer would leave.
+    """The next touch: the path that tells the hypotheses apart best, and what each answer would leave.
 
     The bounds of the next reading are those of the flags; else the largest of the contacts in the file.
 
@@ -115,7 +113,7 @@ def plan(
     )
     prior = prior_of(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg)
     evidence = replace(evidence, prior=prior or evidence.prior)
-    sensor = _sensor(
+    sensor = plan_options.sensor_of(
         evidence.contacts,
         position_error=position_error,
         normal_error_deg=normal_error_deg,
@@ -131,8 +129,8 @@ def plan(
     search: dict[str, Any] = {
         "planner": planner,
         "stop": plan_options.stop_of(stop),
-        "workspace": _workspace(workspace),
-        "directions": _directions(directions),
+        "workspace": plan_options.workspace_of(workspace),
+        "directions": plan_options.directions_of(directions),
         "avoid_assigned": avoid_assigned,
         "time_limit": time_limit,
         "effort": effort,
@@ -160,40 +158,6 @@ def _check_pictures(paths: Sequence[Path]) -> None:
             check_picture_path(path)
 
 
-def _sensor(
-    contacts: Sequence[Contact],
-    *,
-    position_error: float | None,
-    normal_error_deg: float | None,
-    no_normal: bool,
-    max_incidence_deg: float,
-    tip_radius: float | None,
-    path_error: float | None,
-) -> Sensor:
-    """That of the flags; what they leave open is as the contacts have it."""
-    if no_normal and normal_error_deg is not None:
-        raise ValueError("--no-normal: contradicts --normal-error-deg; give one of them")
-    if position_error is None:
-        position_error = max((contact.position_error for contact in contacts), default=None)
-    if position_error is None:
-        raise ValueError("--position-error: is needed where there is no contact; give the bound as a length")
-    if tip_radius is None:
-        tip_radius = max((contact.tip_radius for contact in contacts), default=0.0)
-    known = [contact.normal_error for contact in contacts if contact.normal_error is not None]
-    normal_error = None
-    if normal_error_deg is not None:
-        normal_error = math.radians(normal_error_deg)
-    elif known and len(known) == len(contacts) and not no_normal:
-        normal_error = max(known)
-    return Sensor(
-        position_error,
-        normal_error,
-        math.radians(max_incidence_deg),
-        tip_radius=tip_radius,
-        path_error=path_error or 0.0,
-    )
-
-
 def _recognized(
     parts: Parts,
     evidence: Evidence,
@@ -218,21 +182,7 @@ def _recognized(
         raise ValueError(with_place(str(error), evidence, file=file)) from None
 
 
-def _workspace(text: str | None) -> list[list[float]] | None:
-    if text is None:
-        return None
-    x0, y0, x1, y1 = (float(part) for part in text.split(","))
-    return [[x0, y0], [x1, y1]]
-
-
-def _directions(text: str | None) -> tuple[tuple[float, float], float] | None:
-    if text is None:
-        return None
-    angle, half = (math.radians(float(part)) for part in text.split(","))
-    return (math.cos(angle), math.sin(angle)), min(half, math.pi)
-
-
-def _planned(asked: _Asked, search: dict[str, Any], *, path: bool, tree: bool, method: str) -> _Planned:
+def _planned(asked: _Asked, search: dict[str, Any], *, path: bool, tree: bool, method: Any) -> _Planned:
     hypotheses, sensor = asked.hypotheses, asked.sensor
     if not hypotheses:
         return _Planned()
@@ -310,7 +260,8 @@ def _draw(
     path = planned.report.path if planned.report is not None else tree.root.path if tree else None
     evidence, unit = asked.evidence, asked.unit
     if plot is not None:
-        shown = {"misses": evidence.misses, "unit": unit, "part_names": asked.parts.labels}
+        shown: dict[str, Any] = {"misses": evidence.misses, "unit": unit, "part_names": asked.parts.labels}
+        shown["tip_radius"] = asked.sensor.tip_radius
         figure = plots.plot_path(asked.hypotheses, path, evidence.contacts, **shown)
         plots.save_figure(figure, plot)
     if plot_tree is not None and tree is not None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from palpate import Contact, Sensor
 from palpate.cli import options
 
 PLANNERS = ("auto", "complete", "ellis", "grimson", "schneiter")
@@ -77,6 +79,56 @@ def directions(text: str) -> str:
     return text
 
 
+def workspace_of(text: str | None) -> list[list[float]] | None:
+    """The same as Python has it."""
+    if text is None:
+        return None
+    x0, y0, x1, y1 = (float(part) for part in text.split(","))
+    return [[x0, y0], [x1, y1]]
+
+
+def directions_of(text: str | None) -> tuple[tuple[float, float], float] | None:
+    """The same as Python has it."""
+    if text is None:
+        return None
+    angle, half = (math.radians(float(part)) for part in text.split(","))
+    return (math.cos(angle), math.sin(angle)), min(half, math.pi)
+
+
+def sensor_of(
+    contacts: Sequence[Contact],
+    *,
+    position_error: float | None,
+    normal_error_deg: float | None,
+    no_normal: bool,
+    max_incidence_deg: float,
+    tip_radius: float | None,
+    path_error: float | None,
+) -> Sensor:
+    """That of the flags; what they leave open is as the contacts have it."""
+    if no_normal and normal_error_deg is not None:
+        raise ValueError("--no-normal: contradicts --normal-error-deg; give one of them")
+    if position_error is None:
+        position_error = max((contact.position_error for contact in contacts), default=None)
+    if position_error is None:
+        raise ValueError("--position-error: is needed where there is no contact; give the bound as a length")
+    if tip_radius is None:
+        tip_radius = max((contact.tip_radius for contact in contacts), default=0.0)
+    known = [contact.normal_error for contact in contacts if contact.normal_error is not None]
+    normal_error = None
+    if normal_error_deg is not None:
+        normal_error = math.radians(normal_error_deg)
+    elif known and len(known) == len(contacts) and not no_normal:
+        normal_error = max(known)
+    return Sensor(
+        position_error,
+        normal_error,
+        math.radians(max_incidence_deg),
+        tip_radius=tip_radius,
+        path_error=path_error or 0.0,
+    )
+
+
 MaxIncidenceDeg = Annotated[
     float,
     typer.Option(
@@ -98,7 +150,9 @@ NoNormal = Annotated[
 Planner = Annotated[
     str,
     typer.Option(
-        parser=one_of(PLANNERS), metavar="NAME", help="auto, complete (all lines), ellis, grimson or schneiter."
+        parser=one_of(PLANNERS),
+        metavar="NAME",
+        help="auto, complete (all lines), ellis, grimson or schneiter.",
     ),
 ]
 Stop = Annotated[

@@ -32,9 +32,7 @@ WHY = {
 def sensor_words(sensor: Sensor, *, unit: str) -> str:
     """The sensor of the next reading."""
     normal = (
-        "no normal"
-        if sensor.normal_error is None
-        else f"normal ± {math.degrees(sensor.normal_error):.4g}°"
+        "no normal" if sensor.normal_error is None else f"normal ± {math.degrees(sensor.normal_error):.4g}°"
     )
     words = f"position ± {sensor.position_error:g} {unit}, {normal}"
     words += f", reliable up to {math.degrees(sensor.max_incidence):.4g}° of incidence"
@@ -58,7 +56,9 @@ def print_plan(
     path = report.path
     (x, y), direction = path.start, path.direction
     angle_deg = math.degrees(math.atan2(direction[1], direction[0]))
-    at = f"from ({decimal(x, size)}, {decimal(y, size)}) in direction ({direction[0]:.4f}, {direction[1]:.4f})"
+    at = (
+        f"from ({decimal(x, size)}, {decimal(y, size)}) in direction ({direction[0]:.4f}, {direction[1]:.4f})"
+    )
     console.print(
         f"[bold]next path[/bold]: {at}, {angle_deg:.2f}°, up to {decimal(path.length, size)} {unit}",
         soft_wrap=True,
@@ -77,7 +77,9 @@ def _worth(path: Path) -> str:
             return f"Guaranteed: it separates {'both' if n == 2 else f'all {n}'} (score 1)."
         return f"Guaranteed: at most {path.score:.4g} of {n} are left, in the mean (score); {expected}."
     hardly = ", hardly worth a touch" if path.expected_score >= n - HARDLY else ""
-    return f"Only expected to tell, nothing is certain: score {path.score:.4g} of {n}; {expected} left{hardly}."
+    return (
+        f"Only expected to tell, nothing is certain: score {path.score:.4g} of {n}; {expected} left{hardly}."
+    )
 
 
 def _margin(path: Path, wanted: float, *, unit: str) -> str:

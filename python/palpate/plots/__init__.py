@@ -1,5 +1,4 @@
-"""Pictures in the manner of the thesis: parts, superposed hypotheses, the range of poses of one
-of them, the next path, ambiguity trees.
+"""Pictures in the manner of the thesis: parts, superposed hypotheses, pose ranges, paths, ambiguity trees.
 
 Each function returns a matplotlib `Figure` that belongs to no window; `save_figure` writes it as SVG, PNG or
 PDF, by the suffix, and the same figure gives the same file every time.

@@ -27,10 +27,10 @@ STATUS = {
 
 
 def plot_ambiguity_tree(tree: AmbiguityTree, *, unit: str = "mm") -> Figure:
-    """Nodes with the hypotheses that are left, branches with the answers that lead on, in the order of touches.
+    """Nodes with the hypotheses that are left, branches with the answers that lead on, touch by touch.
 
-    `I1` is the first hypothesis, `S1` the first answer, as in the thesis. What no path divides is red; at each
-    path the direction of travel and the margin are told.
+    `I1` is the first hypothesis, `S1` the first answer, as in the thesis. What no path divides is red; each
+    path is told by its direction of travel and its margin.
     """
     rows: dict[int, float] = {}
     num_rows = _place(tree.root, rows, next_row=0.0)

@@ -27,10 +27,10 @@ def plot_lines(
 ) -> Figure:
     """The score of every line of a grid; a path is marked.
 
-    A point is a line: across, the angle at which the tip travels; upward, how far it passes to the left of the
-    middle of all hypotheses. Dark is good, 1 separates all. White can't be used. The same plane in which the
-    thesis draws the projections of one generator (figures 3.5 to 3.7), here for all faces at once, with all
-    poses and errors in it.
+    A point is a line: across, the angle at which the tip travels; upward, how far it passes to the left of
+    the middle of all hypotheses. Dark is good, 1 separates all. White can't be used. The thesis draws the
+    projections of one generator in such a plane (figures 3.5 to 3.7); here are all faces at once, with all
+    poses and errors.
 
     Args:
         hypotheses: As for `palpate.plan`.

@@ -32,8 +32,8 @@ def plot_path(
 ) -> Figure:
     """Hypotheses superposed, with a path among them and where it may touch each.
 
-    Beside the path each hypothesis that it may touch has a bar: the ways after which the tip may touch it. The
-    faces that may be touched are bold, at the pose of largest slack. The legend says what each may answer.
+    Beside the path each hypothesis that it may touch has a bar: the ways after which the tip may touch it.
+    The faces that may be touched are bold, at the pose of largest slack. The legend says what each may answer.
     Beyond 25 hypotheses the first 25 are drawn, and the title says so.
 
     Args:
@@ -83,9 +83,7 @@ def plot_path(
 
 
 def _label(axes: Axes, place: Array, number: int, *, color: str) -> None:
-    axes.text(
-        *place, str(number + 1), color=color, ha="center", va="center", path_effects=HALO, zorder=6
-    )
+    axes.text(*place, str(number + 1), color=color, ha="center", va="center", path_effects=HALO, zorder=6)
 
 
 def _draw_touched(axes: Axes, hypothesis: Hypothesis, outcome: Outcome, *, color: str) -> None:
