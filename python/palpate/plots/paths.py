@@ -33,7 +33,7 @@ def plot_path(
     """Hypotheses superposed, with a path among them and where it may touch each.
 
     Beside the path each hypothesis that it may touch has a bar: the ways after which the tip may touch it.
-    The faces that may be touched are bold, at the pose of largest slack. The legend says what each may answer.
+    Faces that may be touched are bold, at the pose of largest slack. The legend says what each may answer.
     Beyond 25 hypotheses the first 25 are drawn, and the title says so.
 
     Args:
