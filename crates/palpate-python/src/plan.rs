@@ -82,7 +82,7 @@ fn planned(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) -
     })?;
     let plan = plan.map_err(raise)?;
     let path = plan.path.clone().map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()?;
-    let why = plan.why(hypotheses.len(), &settings, late);
+    let why = plan.why(&hypotheses, &settings, late);
     Ok(PyPlanReport { plan, path, why })
 }
 

@@ -113,7 +113,9 @@ impl Verdict {
                 }
             }
         }
-        left.iter_mut().for_each(|members| members.sort_unstable());
+        for members in &mut left {
+            members.sort_unstable();
+        }
         Self { left, fault }
     }
 

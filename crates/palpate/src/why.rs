@@ -1,5 +1,6 @@
 //! Why a planner stopped where it did.
 
+use crate::hypothesis::Hypothesis;
 use crate::plan::{Plan, PlanSettings, Planner};
 
 /// Why a plan is as it is.
@@ -44,20 +45,21 @@ impl Why {
 }
 
 impl Plan {
-    /// Why it is as it is, planned for so many hypotheses; `late`: time was up.
+    /// Why it is as it is, planned among the hypotheses; `late`: time was up.
     #[must_use]
-    pub fn why(&self, num_hypotheses: usize, settings: &PlanSettings, late: bool) -> Why {
+    pub fn why(&self, hypotheses: &[Hypothesis], settings: &PlanSettings, late: bool) -> Why {
+        let m = settings.margin * hypotheses.iter().map(|one| one.model.size).fold(0.0, f64::max);
         let work = match settings.planner {
             Planner::Auto | Planner::Complete => self.num_boxes,
             Planner::Ellis | Planner::Grimson { .. } | Planner::Schneiter { .. } => self.num_judged,
         };
         match &self.path {
-            _ if num_hypotheses < 2 => Why::Solved,
+            _ if hypotheses.len() < 2 => Why::Solved,
             Some(path) if path.score <= 1.0 => Why::Perfect,
             Some(path) if self.proved && path.guaranteed() => Why::Best,
             Some(_) if self.proved => Why::Inseparable,
             None if self.proved => Why::NoUsablePath,
-            Some(path) if path.enough(settings.stop) => Why::Enough,
+            Some(path) if path.enough(settings.stop, m) => Why::Enough,
             _ if late => Why::Time,
             _ if work >= settings.effort => Why::Effort,
             _ => Why::Searched,

@@ -26,6 +26,13 @@ pub(crate) struct PivotPose {
     pub y: DVec2,
 }
 
+impl PivotPose {
+    /// Where a world point, given from the pivot, lies in the model's frame.
+    pub fn place(self, lever: DVec2) -> DVec2 {
+        self.y + DVec2::from_angle(-self.angle).rotate(lever)
+    }
+}
+
 /// A contact as seen from the pivot, the model's slacks added to its bounds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Datum {
@@ -166,12 +173,7 @@ impl Case {
 
     /// Where contact `i` lies in the model's frame.
     pub fn place(&self, contact: usize, pose: PivotPose) -> DVec2 {
-        self.from_pivot(self.data[contact].lever, pose)
-    }
-
-    /// Where a world point, given from the pivot, lies in the model's frame.
-    pub fn from_pivot(&self, lever: DVec2, pose: PivotPose) -> DVec2 {
-        pose.y + DVec2::from_angle(-pose.angle).rotate(lever)
+        pose.place(self.data[contact].lever)
     }
 
     /// The site of `feature` for the tip of contact `i`.

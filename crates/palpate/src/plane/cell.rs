@@ -319,7 +319,7 @@ impl Cell {
             return None;
         }
         let escapes = self.escapes(conditions, sweep, lever, pose)?;
-        let place = case.from_pivot(lever, pose);
+        let place = pose.place(lever);
         let loose = self.looseness(lever.length()) + 2.0 * case.outward();
         if escapes.iter().any(|wall| wall.normal.dot(place) + loose > wall.height) {
             return None;

@@ -232,7 +232,7 @@ fn around_corner(lever: DVec2, offset: DVec2, clearance: f64, motion: f64) -> Op
     let outward = offset.try_normalize()?;
     let cosine = (1.0 - (motion / offset.length()).powi(2)).max(0.0).sqrt();
     if clearance > 0.0 {
-        return (motion < offset.length()).then(|| Wall {
+        return (motion < offset.length()).then_some(Wall {
             lever,
             normal: outward,
             height: clearance * cosine,

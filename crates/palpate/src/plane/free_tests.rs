@@ -78,8 +78,7 @@ fn a_stretch_does_not_change_sides() {
         let (intrusion, lever) = sweep.intrusion(&model, pose);
         let motion = [0.01, 0.3, 1.5][random.usize(0..3)];
         let escapes = sweep.escapes(&model, lever, pose, motion, 0.0);
-        let Some([first, second]) =
-            escapes.as_deref().map(|walls| <[Wall; 2]>::try_from(walls).ok()).flatten()
+        let Some([first, second]) = escapes.as_deref().and_then(|walls| <[Wall; 2]>::try_from(walls).ok())
         else {
             continue;
         };

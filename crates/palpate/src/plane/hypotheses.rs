@@ -111,8 +111,7 @@ fn explain_by_cells(case: &Shared<Case>, tables: &FeatureTables, counters: Count
     let rotations = fundamental_rotations(case);
     let division = subdivide::subdivide(case, &features, rotations);
     let dense = witnessed(case, division.dense);
-    let assignments: BTreeSet<Vec<Feature>> =
-        division.sparse.iter().flat_map(|bundle| bundle.assignments()).collect();
+    let assignments: BTreeSet<Vec<Feature>> = division.sparse.iter().flat_map(Bundle::assignments).collect();
     let stands_for_itself = case.prior.is_some();
     let assignments = assignments
         .into_iter()

@@ -178,11 +178,11 @@ impl Shadow {
                     if let Some(fault) = fault {
                         outcome.fault = Some(outcome.fault.map_or(fault, |known| known.min(fault)));
                     }
-                    add(&mut outcome.touches, one);
+                    add(&mut outcome.touches, &one);
                 }
             }
         }
-        outcome.touches.sort_by(|a, b| a.feature.cmp(&b.feature));
+        outcome.touches.sort_by_key(|a| a.feature);
         outcome
     }
 
@@ -397,9 +397,10 @@ impl Shadow {
             high: along.high - radius * incidence.high.min(FRAC_PI_2).cos() + allowance.depth,
         };
         let touchable = self.model.vertices[number].normals.is_some();
-        let fault = match touchable {
-            true => (incidence.high > sensor.max_incidence).then_some(Fault::Skid),
-            false => Some(Fault::Untouchable),
+        let fault = if touchable {
+            (incidence.high > sensor.max_incidence).then_some(Fault::Skid)
+        } else {
+            Some(Fault::Untouchable)
         };
         let feature = Feature::Vertex(number as u32);
         (depth.high >= 0.0).then_some(Possible { feature, depth, normals, fault })
@@ -487,7 +488,7 @@ impl Shadow {
 }
 
 /// Adds a contact; those on one feature become one.
-fn add(touches: &mut Vec<Touch>, one: Possible) {
+fn add(touches: &mut Vec<Touch>, one: &Possible) {
     match touches.iter_mut().find(|touch| touch.feature == one.feature) {
         Some(touch) => {
             touch.depth = hull(touch.depth, one.depth);
@@ -635,7 +636,6 @@ fn cones(model: &Model) -> Vec<Option<Arc>> {
 /// A contact at one pose.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Contacted {
-    pub feature: Feature,
     pub depth: f64,
     pub normal: DVec2,
 }
@@ -645,29 +645,29 @@ pub(crate) fn first_contact(model: &Model, pose: Pose, line: &Line, radius: f64)
     let inverse = pose.inverse();
     let line = Line { start: inverse.apply(line.start), direction: inverse.rotation.rotate(line.direction) };
     let mut first: Option<Contacted> = None;
-    let mut take = |feature: Feature, depth: f64, normal: DVec2| {
+    let mut take = |depth: f64, normal: DVec2| {
         if depth >= 0.0 && first.as_ref().is_none_or(|known| depth < known.depth) {
-            first = Some(Contacted { feature, depth, normal });
+            first = Some(Contacted { depth, normal });
         }
     };
-    for (number, face) in model.faces.iter().enumerate().filter(|(_, face)| face.surface != Surface::Seam) {
+    for face in model.faces.iter().filter(|face| face.surface != Surface::Seam) {
         let sides = if model.closed { 1 } else { 2 };
         for normal in [face.normal, -face.normal].into_iter().take(sides) {
             let speed = normal.dot(line.direction);
             let [start, end] = [face.start, face.end].map(|at| at + radius * normal);
             let (a, b) = (line.coordinates(start).1, line.coordinates(end).1);
             if speed < 0.0 && a.min(b) <= 0.0 && a.max(b) >= 0.0 {
-                take(Feature::Face(number as u32), normal.dot(start - line.start) / speed, normal);
+                take(normal.dot(start - line.start) / speed, normal);
             }
         }
     }
     if radius > 0.0 {
-        for (number, vertex) in model.vertices.iter().enumerate() {
+        for vertex in &model.vertices {
             let (along, aside) = line.coordinates(vertex.point);
             if aside.abs() <= radius {
                 let depth = along - (radius * radius - aside * aside).sqrt();
                 let normal = (line.at(depth) - vertex.point) / radius;
-                take(Feature::Vertex(number as u32), depth, normal);
+                take(depth, normal);
             }
         }
     }

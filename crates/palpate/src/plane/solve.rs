@@ -137,7 +137,9 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> 
             let halves = || split(conditions, &cell, reach).into_iter();
             let parts =
                 parts.unwrap_or_else(|| halves().filter_map(|part| contracted(conditions, part)).collect());
-            parts.into_iter().for_each(|part| add(&mut open, part));
+            for part in parts {
+                add(&mut open, part);
+            }
         }
     }
     fallback

@@ -8,6 +8,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
+use std::sync::Arc as Shared;
 
 use arrayvec::ArrayVec;
 use glam::DVec2;
@@ -23,6 +24,9 @@ use crate::tree::Range;
 /// Intervals of directions at the start.
 const FIRST_DIRECTIONS: u32 = 64;
 
+/// The share of m by which lines of a smallest box may differ from its middle.
+const SMALLEST: f64 = 0.9;
+
 /// Boxes that are looked at together.
 const BATCH: usize = 256;
 
@@ -36,7 +40,7 @@ pub(crate) struct Proof {
 }
 
 /// An interval of directions and one of places across, about the middle of the scene.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Lines {
     angle: f64,
     half: f64,
@@ -45,10 +49,23 @@ struct Lines {
     /// Pairs that every line of it leaves at least.
     left: usize,
     number: u64,
+    /// What the box around it has shown of each view; empty: nothing.
+    known: Shared<[Known]>,
+}
+
+/// What every line of a box may meet of a view.
+#[derive(Debug, Clone, Default)]
+enum Known {
+    #[default]
+    Nothing,
+    Missed,
+    /// At most these faces, and surely one of them.
+    Faces(ArrayVec<u16, MOST_MET>),
 }
 
 /// A part at one pose, from the middle of the scene.
 struct View {
+    closed: bool,
     middle: DVec2,
     radius: f64,
     faces: Vec<ViewFace>,
@@ -68,8 +85,8 @@ struct ViewFace {
 /// What a line of a box may meet first of a view.
 #[derive(Debug, Clone, Default)]
 enum Glance {
-    /// One of these: depths, and the normal.
-    Met(ArrayVec<(Range, DVec2), MOST_MET>),
+    /// One of these.
+    Met(Meetings),
     /// Nothing, on every line.
     Missed,
     /// Nothing is certain.
@@ -79,6 +96,21 @@ enum Glance {
 
 /// With more faces that may be met nothing is called certain.
 const MOST_MET: usize = 4;
+
+/// A face that may be met: its number among those of the view, its normal, and the depths.
+#[derive(Debug, Clone, Copy)]
+struct Meeting {
+    face: u16,
+    normal: DVec2,
+    /// On any line of the box.
+    depth: Range,
+    /// On the middle line, were the face as long as that.
+    middle: f64,
+    /// The least cosine of the incidence on any line of the box.
+    cosine: f64,
+}
+
+type Meetings = ArrayVec<Meeting, MOST_MET>;
 
 /// Searches all lines for one that is better than `best`.
 pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> Proof {
@@ -108,9 +140,10 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
             match found {
                 Found::Nothing => {}
                 Found::Line(line) => best.offer(&line),
-                Found::AtLeast(left) => {
+                Found::AtLeast(left, known) => {
                     for part in lines.halves(scene) {
-                        open.push(Lines { left, number: next_number, ..part });
+                        let known = Shared::clone(&known);
+                        open.push(Lines { left, number: next_number, known, ..part });
                         next_number += 1;
                     }
                 }
@@ -125,24 +158,24 @@ enum Found {
     Nothing,
     /// Its middle, as good as any line of margin ≥ m in it.
     Line(Line),
-    /// Lines that leave so much, at least.
-    AtLeast(usize),
+    /// Lines that leave so much, at least; and what they may meet.
+    AtLeast(usize, Shared<[Known]>),
 }
 
 fn examine(scene: &Scene, members: &[usize], views: &[Vec<View>], lines: &Lines, enough: usize) -> Found {
     if lines.left >= enough || !scene.allowed(lines.angle, lines.half) {
         return Found::Nothing;
     }
-    let left = least_left(scene, views, lines, enough).map(|left| left.max(lines.left));
-    match left.filter(|left| *left < enough) {
-        None => Found::Nothing,
-        Some(left) if !lines.is_smallest(scene) => Found::AtLeast(left),
-        Some(_) => {
-            let better =
-                |line: &Line| scene.verdict(line, members, 0.0).is_some_and(|one| one.num_left() < enough);
-            scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
-        }
+    let Some((left, known)) = least_left(scene, views, lines, enough) else { return Found::Nothing };
+    let left = left.max(lines.left);
+    if left >= enough {
+        return Found::Nothing;
     }
+    if !lines.is_smallest(scene) {
+        return Found::AtLeast(left, known);
+    }
+    let better = |line: &Line| scene.verdict(line, members, 0.0).is_some_and(|one| one.num_left() < enough);
+    scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
 }
 
 /// All lines.
@@ -150,7 +183,15 @@ fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<Lines> {
     let half = PI / f64::from(FIRST_DIRECTIONS);
     let interval = |k: u32| {
         let angle = -PI + (2.0 * f64::from(k) + 1.0) * half;
-        Lines { angle, half, aside: 0.0, reach: scene.radius, left, number: u64::from(k) }
+        Lines {
+            angle,
+            half,
+            aside: 0.0,
+            reach: scene.radius,
+            left,
+            number: u64::from(k),
+            known: Shared::default(),
+        }
     };
     (0..FIRST_DIRECTIONS).map(interval).collect()
 }
@@ -161,62 +202,75 @@ impl Lines {
         self.reach + 2.0 * (0.5 * self.half).sin() * radius
     }
 
-    /// No line of the box is farther than half of m from its middle.
+    /// No line of the box is farther than m from its middle, with some room for rounding.
     fn is_smallest(&self, scene: &Scene) -> bool {
-        self.motion(scene.radius) <= 0.5 * scene.margin && self.half <= 0.5 * scene.margin / scene.size
+        self.motion(scene.radius) <= SMALLEST * scene.margin
+            && self.half <= SMALLEST * scene.margin / scene.size
     }
 
     fn halves(&self, scene: &Scene) -> [Self; 2] {
         let turn = (2.0 * (0.5 * self.half).sin() * scene.radius).max(self.half * scene.size);
         if turn > self.reach {
             let half = 0.5 * self.half;
-            [-half, half].map(|by| Self { angle: self.angle + by, half, ..*self })
+            [-half, half].map(|by| Self { angle: self.angle + by, half, ..self.clone() })
         } else {
             let reach = 0.5 * self.reach;
-            [-reach, reach].map(|by| Self { aside: self.aside + by, reach, ..*self })
+            [-reach, reach].map(|by| Self { aside: self.aside + by, reach, ..self.clone() })
         }
     }
 }
 
-/// Pairs that every usable line of the box leaves at least, or `enough`; `None` if no line of it can be used.
-fn least_left(scene: &Scene, views: &[Vec<View>], lines: &Lines, enough: usize) -> Option<usize> {
+/// Pairs that every usable line of the box leaves at least, or `enough`, and what is then known of each view; `None` if no
+/// line of it can be used.
+fn least_left(
+    scene: &Scene,
+    views: &[Vec<View>],
+    lines: &Lines,
+    enough: usize,
+) -> Option<(usize, Shared<[Known]>)> {
     let frame = Frame::new(scene, lines);
+    let most = views.iter().map(Vec::len).max().unwrap_or(0);
     let mut looks: Vec<Look> = views.iter().map(|_| Look::default()).collect();
     let mut joined = vec![false; views.len() * views.len()];
+    let mut known = vec![Known::Nothing; views.len() * most];
     let mut left = views.len();
-    let most = views.iter().map(Vec::len).max().unwrap_or(0);
     for number in 0..most {
         for (k, of_member) in views.iter().enumerate() {
             let Some(view) = of_member.get(number) else { continue };
-            let glance = view.glance(&frame);
+            let place = k * most + number;
+            let glance = view.glance(&frame, lines.known.get(place));
             if glance.skids(&frame) {
                 return None;
             }
             for (j, other) in looks.iter().enumerate() {
                 let pair = k.max(j) * views.len() + k.min(j);
-                if j != k && !joined[pair] && other.holds_alike(&glance, &frame) {
-                    joined[pair] = true;
+                if j != k && other.holds_alike(&glance, &frame) && !std::mem::replace(&mut joined[pair], true)
+                {
                     left += 2;
                     if left >= enough {
-                        return Some(left);
+                        return Some((left, Shared::default()));
                     }
                 }
             }
+            known[place] = glance.known();
             looks[k].add(glance);
         }
     }
-    Some(left)
+    Some((left, known.into()))
 }
 
 /// A box of lines as views are seen from it.
 struct Frame<'a> {
     scene: &'a Scene,
-    lines: Lines,
+    aside: f64,
+    reach: f64,
+    half: f64,
     along: DVec2,
     left: DVec2,
     /// How far a point at distance 1 from the middle moves by the half interval of directions; sine of that interval.
     chord: f64,
     sine: f64,
+    cosine: f64,
     /// The cosine of the largest incidence at which a line of margin m can be used, seen from the middle line.
     skid_cosine: f64,
     /// Readings whose depths, and normals, differ by no more are alike for lines of margin m.
@@ -232,11 +286,14 @@ impl<'a> Frame<'a> {
         let alike = scene.sensor.normal_error.map_or(PI, |error| 2.0 * (error + angle_margin));
         Self {
             scene,
-            lines: *lines,
+            aside: lines.aside,
+            reach: lines.reach,
+            half: lines.half,
             along,
             left: along.perp(),
             chord: 2.0 * (0.5 * lines.half).sin(),
             sine: lines.half.sin(),
+            cosine: lines.half.cos(),
             skid_cosine: skid.min(PI).cos(),
             alike_depth: 2.0 * (scene.sensor.position_error + scene.margin),
             alike_cosine: if alike >= PI { -2.0 } else { alike.cos() },
@@ -245,23 +302,45 @@ impl<'a> Frame<'a> {
 
     /// Along the middle line, and to its left.
     fn place(&self, at: DVec2) -> (f64, f64) {
-        (self.along.dot(at), self.left.dot(at) - self.lines.aside)
+        (self.along.dot(at), self.left.dot(at) - self.aside)
     }
 
     /// How far a point at `reach` from the middle of the scene moves, seen from the lines of the box.
     fn motion(&self, reach: f64) -> f64 {
-        self.lines.reach + self.chord * reach
+        self.reach + self.chord * reach
     }
 
-    fn alike(&self, a: &(Range, DVec2), b: &(Range, DVec2)) -> bool {
-        let farthest = (a.0.high - b.0.low).max(b.0.high - a.0.low);
-        farthest <= self.alike_depth && a.1.dot(b.1) >= self.alike_cosine
+    /// Whether on every line of the box the readings may be the same, were each wrong by its bounds and by m.
+    ///
+    /// Depths of faces that are nearly parallel differ by nearly the same on all lines: with the incidence i and the
+    /// depth t, ∂t/∂s = tan i and ∂t/∂φ = s − t tan i up to sign, and tan i − tan j = sin(i − j) / (cos i cos j).
+    fn alike(&self, a: &Meeting, b: &Meeting) -> bool {
+        if a.normal.dot(b.normal) < self.alike_cosine {
+            return false;
+        }
+        if (a.depth.high - b.depth.low).max(b.depth.high - a.depth.low) <= self.alike_depth {
+            return true;
+        }
+        let cosines = a.cosine * b.cosine;
+        if a.cosine <= 0.0 || b.cosine <= 0.0 {
+            return false;
+        }
+        let tangents = a.normal.perp_dot(b.normal).abs() / cosines;
+        // How far along a line the first may be met, were it long enough, so that t = T bounds its own change as well.
+        let tangent = (1.0 - a.cosine * a.cosine).max(0.0).sqrt() / a.cosine;
+        if tangent * self.half > 0.5 {
+            return false;
+        }
+        let grown = tangent * self.reach + (self.aside.abs() + self.reach) * self.half;
+        let farthest = (a.middle.abs() + grown) / (1.0 - tangent * self.half);
+        let change = tangents * (self.reach + farthest * self.half) + self.alike_depth / b.cosine * self.half;
+        (a.middle - b.middle).abs() + change <= self.alike_depth
     }
 }
 
 /// What was seen of a hypothesis from its views so far.
 struct Look {
-    met: Vec<ArrayVec<(Range, DVec2), MOST_MET>>,
+    met: Vec<Meetings>,
     missed: bool,
     /// Around the depths of all.
     depths: Range,
@@ -277,9 +356,9 @@ impl Look {
     fn add(&mut self, glance: Glance) {
         match glance {
             Glance::Met(met) => {
-                for (range, _) in &met {
-                    self.depths.low = self.depths.low.min(range.low);
-                    self.depths.high = self.depths.high.max(range.high);
+                for Meeting { depth, .. } in &met {
+                    self.depths.low = self.depths.low.min(depth.low);
+                    self.depths.high = self.depths.high.max(depth.high);
                 }
                 self.met.push(met);
             }
@@ -295,13 +374,12 @@ impl Look {
             Glance::Unsure => false,
             Glance::Missed => self.missed,
             Glance::Met(met) => {
-                let near = |(range, _): &(Range, DVec2)| {
-                    range.low - self.depths.high <= frame.alike_depth
-                        && self.depths.low - range.high <= frame.alike_depth
+                let near = |Meeting { depth, .. }: &Meeting| {
+                    depth.low - self.depths.high <= frame.alike_depth
+                        && self.depths.low - depth.high <= frame.alike_depth
                 };
-                let all_alike = |other: &ArrayVec<(Range, DVec2), MOST_MET>| {
-                    met.iter().all(|a| other.iter().all(|b| frame.alike(a, b)))
-                };
+                let all_alike =
+                    |other: &Meetings| met.iter().all(|a| other.iter().all(|b| frame.alike(a, b)));
                 met.iter().all(near) && self.met.iter().any(all_alike)
             }
         }
@@ -324,38 +402,50 @@ impl View {
         let middle = corners.iter().sum::<DVec2>() / corners.len() as f64;
         let radius = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
         let corners = corners.into_iter().map(|corner| (corner, corner.length())).collect();
-        Self { middle, radius, faces, corners }
+        Self { closed: model.closed, middle, radius, faces, corners }
     }
 
-    /// What lines of the box may meet first. A closed part is met at one of the faces that look toward the line.
-    fn glance(&self, frame: &Frame<'_>) -> Glance {
+    /// What lines of the box may meet first, if the box around it has shown `known`. A closed part is met at one of the
+    /// faces that look toward the line.
+    fn glance(&self, frame: &Frame<'_>, known: Option<&Known>) -> Glance {
+        match known {
+            Some(Known::Missed) => return Glance::Missed,
+            Some(Known::Faces(faces)) => {
+                return self.met(frame, faces.iter().map(|k| usize::from(*k)), true);
+            }
+            _ => {}
+        }
         let radius = frame.scene.sensor.tip_radius;
         let (_, aside) = frame.place(self.middle);
         let clear = self.radius + radius + frame.motion(self.middle.length() + self.radius);
         if aside.abs() > clear {
             return Glance::Missed;
         }
-        let (mut some_right, mut some_left) = (false, false);
+        let (mut num_right, mut num_left) = (0, 0);
         for &(corner, reach) in &self.corners {
             let (_, s) = frame.place(corner);
             let motion = frame.motion(reach) + radius;
-            some_right |= s <= motion;
-            some_left |= s >= -motion;
-            if radius > 0.0 && s.abs() <= motion {
-                return Glance::Unsure;
-            }
+            num_right += usize::from(s < -motion);
+            num_left += usize::from(s > motion);
         }
-        if !(some_right && some_left) {
+        let count = self.corners.len();
+        if num_right == count || num_left == count {
             return Glance::Missed;
         }
-        self.met(frame)
+        if radius > 0.0 && num_right + num_left < count {
+            return Glance::Unsure;
+        }
+        self.met(frame, 0..self.faces.len(), self.closed && num_right > 0 && num_left > 0)
     }
 
-    /// The faces that may be met first, if some face surely is in the way.
-    fn met(&self, frame: &Frame<'_>) -> Glance {
-        let mut nearest_sure = f64::INFINITY;
-        let mut met: ArrayVec<(Range, DVec2, bool), 16> = ArrayVec::new();
-        for face in &self.faces {
+    /// The faces, of some, that may be met first, if one of them surely is in the way: one that every line crosses, or any,
+    /// where the outline is on both sides of every line.
+    fn met(&self, frame: &Frame<'_>, faces: impl Iterator<Item = usize>, straddled: bool) -> Glance {
+        let (mut nearest_sure, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut met: ArrayVec<Meeting, 12> = ArrayVec::new();
+        let mut touchable = true;
+        for number in faces {
+            let face = &self.faces[number];
             let speed = face.normal.dot(frame.along);
             if speed >= frame.sine {
                 continue;
@@ -365,20 +455,33 @@ impl View {
             if s0.min(s1) > motion || s0.max(s1) < -motion {
                 continue;
             }
-            let sure = speed < -frame.sine && s0.min(s1) < -motion && s0.max(s1) > motion;
-            let range = crossed_at((t0, s0), (t1, s1), motion);
-            if sure {
-                nearest_sure = nearest_sure.min(range.high);
+            let depth = crossed_at((t0, s0), (t1, s1), motion);
+            if speed < -frame.sine && s0.min(s1) < -motion && s0.max(s1) > motion {
+                nearest_sure = nearest_sure.min(depth.high);
             }
-            if met.try_push((range, face.normal, face.touchable)).is_err() {
+            farthest = farthest.max(depth.high);
+            touchable &= face.touchable;
+            let across = face.normal.dot(frame.left);
+            let middle = (face.normal.dot(face.ends[0]) - frame.aside * across) / speed;
+            let cosine = -speed * frame.cosine - across.abs() * frame.sine;
+            let meeting = Meeting { face: number as u16, normal: face.normal, depth, middle, cosine };
+            if met.try_push(meeting).is_err() {
                 return Glance::Unsure;
             }
         }
-        met.retain(|(range, ..)| range.low <= nearest_sure);
-        if nearest_sure == f64::INFINITY || met.len() > MOST_MET || met.iter().any(|one| !one.2) {
+        if nearest_sure == f64::INFINITY && straddled {
+            nearest_sure = farthest;
+        }
+        if !nearest_sure.is_finite() || !touchable {
             return Glance::Unsure;
         }
-        Glance::Met(met.into_iter().map(|(range, normal, _)| (range, normal)).collect())
+        let mut nearest = Meetings::new();
+        for meeting in met.iter().filter(|meeting| meeting.depth.low <= nearest_sure) {
+            if nearest.try_push(*meeting).is_err() {
+                return Glance::Unsure;
+            }
+        }
+        Glance::Met(nearest)
     }
 }
 
@@ -397,7 +500,17 @@ fn crossed_at((t0, s0): (f64, f64), (t1, s1): (f64, f64), motion: f64) -> Range 
 impl Glance {
     /// Whether whatever is met is met at too large an incidence for a usable line of margin m.
     fn skids(&self, frame: &Frame<'_>) -> bool {
-        matches!(self, Self::Met(met) if met.iter().all(|(_, normal)| -normal.dot(frame.along) < frame.skid_cosine))
+        let skids = |meeting: &Meeting| -meeting.normal.dot(frame.along) < frame.skid_cosine;
+        matches!(self, Self::Met(met) if met.iter().all(skids))
+    }
+
+    /// What it says of every line of a smaller box.
+    fn known(&self) -> Known {
+        match self {
+            Self::Met(met) => Known::Faces(met.iter().map(|meeting| meeting.face).collect()),
+            Self::Missed => Known::Missed,
+            Self::Unsure => Known::Nothing,
+        }
     }
 }
 

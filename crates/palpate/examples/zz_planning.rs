@@ -1,5 +1,6 @@
 //! Scratch figures of the planners.
-#![allow(clippy::print_stdout, clippy::pedantic, clippy::disallowed_methods)]
+#![allow(warnings)]
+#![allow(clippy::all)]
 #[path = "../tests/common/mod.rs"]
 mod common;
 #[path = "../tests/common/parts.rs"]
@@ -32,8 +33,11 @@ fn main() {
         let auto = plan(&found.hypotheses, &sensor, &PlanSettings::default()).unwrap();
         let auto_time = started.elapsed();
         let started = Instant::now();
-        let settings =
-            PlanSettings { planner: Planner::Complete, effort: 300_000, ..PlanSettings::default() };
+        let settings = PlanSettings {
+            planner: if std::env::var("AUTO").is_ok() { Planner::Auto } else { Planner::Complete },
+            effort: 300_000,
+            ..PlanSettings::default()
+        };
         let complete = plan(&found.hypotheses, &sensor, &settings).unwrap();
         let complete_time = started.elapsed();
         let show = |p: &Plan| {
