@@ -25,7 +25,8 @@ use serde_json::{Value, json};
 const CHUNK: u64 = 8;
 
 fn main() -> ExitCode {
-    let given = |k: usize, or: u64| std::env::args().nth(k).map_or(or, |text| text.parse().expect("a number"));
+    let given =
+        |k: usize, or: u64| std::env::args().nth(k).map_or(or, |text| text.parse().expect("a number"));
     let (problems, lines, effort) = (given(1, 1_000), given(2, 200_000), given(3, 100_000));
     let default = "target/figures/campaign_plan.jsonl";
     let path = PathBuf::from(std::env::args().nth(4).unwrap_or_else(|| default.to_owned()));
@@ -42,7 +43,10 @@ fn main() -> ExitCode {
             worse += usize::from(is_worse(&text));
             done.push(text);
         }
-        eprintln!("{} of {problems} problems, {worse} with a path that is better than that of complete", done.len());
+        eprintln!(
+            "{} of {problems} problems, {worse} with a path that is better than that of complete",
+            done.len()
+        );
     }
     println!("{problems} problems, {lines} random lines each: {worse} with a better path than complete's");
     if worse == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }

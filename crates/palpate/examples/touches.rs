@@ -40,20 +40,26 @@ const FAMILIES: [&str; 4] = ["six objects", "±4 and ±5°", "one face differs",
 type Members = Vec<usize>;
 
 fn main() {
-    let given = |k: usize, or: u64| std::env::args().nth(k).map_or(or, |text| text.parse().expect("a number"));
+    let given =
+        |k: usize, or: u64| std::env::args().nth(k).map_or(or, |text| text.parse().expect("a number"));
     let (problems, effort) = (given(1, 200), given(2, 20_000));
-    let families: Map<String, Value> =
-        FAMILIES.iter().enumerate().map(|(k, name)| ((*name).to_owned(), family(k, problems, effort))).collect();
+    let families: Map<String, Value> = FAMILIES
+        .iter()
+        .enumerate()
+        .map(|(k, name)| ((*name).to_owned(), family(k, problems, effort)))
+        .collect();
     measure::print(&json!({ "problems": problems, "effort": effort, "families": families }));
 }
 
 fn family(family: usize, problems: u64, effort: u64) -> Value {
-    let rows: Vec<Row> =
-        (0..problems).into_par_iter().map(|number| row(family, number, effort)).collect();
+    let rows: Vec<Row> = (0..problems).into_par_iter().map(|number| row(family, number, effort)).collect();
     let mean = |of: &dyn Fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
     let worst = rows.iter().map(|row| row.touches[0] / row.touches[2]).fold(0.0, f64::max);
-    let means: Map<String, Value> =
-        WAYS.iter().enumerate().map(|(k, way)| ((*way).to_owned(), json!(mean(&|row| row.touches[k])))).collect();
+    let means: Map<String, Value> = WAYS
+        .iter()
+        .enumerate()
+        .map(|(k, way)| ((*way).to_owned(), json!(mean(&|row| row.touches[k]))))
+        .collect();
     json!({
         "mean": means,
         "hypotheses": mean(&|row| row.hypotheses as f64),
@@ -61,6 +67,7 @@ fn family(family: usize, problems: u64, effort: u64) -> Value {
         "worst_greedy_over_optimal": worst,
         "greedy_is_optimal": rows.iter().filter(|row| row.touches[0] <= row.touches[2] + 1e-9).count(),
         "proved_optimal": rows.iter().filter(|row| row.touches[2] <= row.lower_bound + 1e-9).count(),
+        "optimal_is_beaten": rows.iter().filter(|row| row.touches[3].min(row.touches[4]) < row.touches[2] - 1e-9).count(),
         "solved": rows.iter().filter(|row| row.solved).count(),
     })
 }
@@ -119,7 +126,8 @@ fn drawn(
     let mut touches = 0;
     while let Some((members, level)) = open.pop() {
         let some: Vec<Hypothesis> = members.iter().map(|k| hypotheses[*k].clone()).collect();
-        let path = (members.len() > 1).then(|| most_telling(&some, sensor, settings, random, count)).flatten();
+        let path =
+            (members.len() > 1).then(|| most_telling(&some, sensor, settings, random, count)).flatten();
         match path {
             Some(classes) => {
                 let of_class = |class: Members| (class.iter().map(|k| members[*k]).collect(), level + 1);
@@ -204,9 +212,11 @@ fn nearly_symmetric(random: &mut Rng) -> Arc<Model> {
     let (start, end) = (corners[0], corners[1]);
     let along = (end - start).normalize();
     let inward = dvec2(-along.y, along.x);
-    let (at, width, depth) = (uniform(random, 0.3, 0.5), uniform(random, 5.0, 9.0), uniform(random, 3.0, 6.0));
+    let (at, width, depth) =
+        (uniform(random, 0.3, 0.5), uniform(random, 5.0, 9.0), uniform(random, 3.0, 6.0));
     let mouth = start.lerp(end, at);
-    let notch = [mouth, mouth + depth * inward, mouth + depth * inward + width * along, mouth + width * along];
+    let notch =
+        [mouth, mouth + depth * inward, mouth + depth * inward + width * along, mouth + width * along];
     corners.splice(1..1, notch);
     Arc::new(Model::polygon("notched", &corners, &[], &[], 0.0, 0.0).expect("a notched polygon"))
 }

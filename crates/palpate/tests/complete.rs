@@ -38,7 +38,13 @@ fn nothing_is_better_than_what_complete_proved() {
 }
 
 /// Lines near one that was judged: turned and shifted so that nothing moves by more than `share` of m, seen from the line.
-fn near(case: &planning::Case, prepared: &Prepared, line: (f64, f64), share: f64, random: &mut Rng) -> Option<Line> {
+fn near(
+    case: &planning::Case,
+    prepared: &Prepared,
+    line: (f64, f64),
+    share: f64,
+    random: &mut Rng,
+) -> Option<Line> {
     let (size, radius) = (case.margin() / case.settings.margin, prepared.radius());
     let most = (share * case.settings.margin).min(share * case.margin() / radius.max(size));
     let turn = most * [-1.0, 1.0][random.usize(0..2)] * random.f64();

@@ -15,7 +15,8 @@ use palpate::{Contact, Evidence, Normal, Settings, recognize};
 
 /// A square, but for some 10⁻⁸: its quarter turns are taken for symmetries.
 fn nearly_a_square() -> Arc<Model> {
-    let corners = [dvec2(0.0, 0.0), dvec2(100.0, 0.0), dvec2(100.000_000_05, 100.000_000_02), dvec2(0.0, 100.0)];
+    let corners =
+        [dvec2(0.0, 0.0), dvec2(100.0, 0.0), dvec2(100.000_000_05, 100.000_000_02), dvec2(0.0, 100.0)];
     Arc::new(Model::polygon("square", &corners, &[], &[], 0.0, 0.0).expect("a polygon"))
 }
 
@@ -30,7 +31,11 @@ fn exact_contacts_on_a_part_that_is_nearly_symmetric_keep_the_truth() {
             let point = world_from_model.apply(face.start.lerp(face.end, random.f64()));
             let contact = Contact::new(point, 0.0, 0.0).expect("a contact");
             let normal = world_from_model.rotation.rotate(face.normal);
-            if round % 2 == 0 { contact } else { contact.with_normal(Normal::new(normal, 0.0).expect("a normal")) }
+            if round % 2 == 0 {
+                contact
+            } else {
+                contact.with_normal(Normal::new(normal, 0.0).expect("a normal"))
+            }
         });
         let evidence = Evidence { contacts: contacts.collect(), ..Evidence::default() };
         let found = recognize(std::slice::from_ref(&model), &evidence, &Settings::default())

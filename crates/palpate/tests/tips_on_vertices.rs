@@ -41,7 +41,8 @@ fn distance(model: &Model, center: DVec2, sensed: Option<f64>, slack: f64) -> f6
         let off = |sensed: f64| (angle - sensed + TAU / 2.0).rem_euclid(TAU) - TAU / 2.0;
         sensed.is_none_or(|sensed| off(sensed).abs() <= NORMAL_ERROR + slack)
     };
-    let angles = (0..=4_000).map(|k| cone.start - slack + (cone.width + 2.0 * slack) * f64::from(k) / 4_000.0);
+    let angles =
+        (0..=4_000).map(|k| cone.start - slack + (cone.width + 2.0 * slack) * f64::from(k) / 4_000.0);
     let place = |angle: f64| RADIUS * DVec2::from_angle(angle);
     angles.filter(allowed).map(|angle| center.distance(place(angle))).fold(f64::INFINITY, f64::min)
 }

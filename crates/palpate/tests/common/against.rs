@@ -89,8 +89,7 @@ impl Outcome {
             })
         };
         let names = PLANNERS[1..].iter().map(|(name, _)| (*name).to_owned());
-        let others: serde_json::Map<String, Value> =
-            names.zip(self.others.iter().map(planner)).collect();
+        let others: serde_json::Map<String, Value> = names.zip(self.others.iter().map(planner)).collect();
         let better: Vec<Value> = self
             .better
             .iter()

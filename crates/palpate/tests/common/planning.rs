@@ -49,8 +49,7 @@ pub fn case(number: u64) -> Case {
         let hypotheses = left_by_contacts(&mut random, &models, chosen, num_contacts, &noise);
         if (2..=30).contains(&hypotheses.len()) {
             let sensor = sensor(&noise, path_error);
-            let settings =
-                PlanSettings { vertices: Some(noise.tip_radius > 0.0), ..PlanSettings::default() };
+            let settings = PlanSettings { vertices: Some(noise.tip_radius > 0.0), ..PlanSettings::default() };
             return Case { family: FAMILIES[family], hypotheses, sensor, settings };
         }
     }

@@ -155,12 +155,11 @@ pub fn of_problem(number: u64) -> Counts {
         }
     };
     let path_error = [0.0, 0.3][random.usize(0..2)];
-    let sensor = Sensor { max_incidence: uniform(&mut random, 0.6, 1.4), ..planning::sensor(&noise, path_error) };
+    let sensor =
+        Sensor { max_incidence: uniform(&mut random, 0.6, 1.4), ..planning::sensor(&noise, path_error) };
     let settings = PlanSettings { vertices: Some(noise.tip_radius > 0.0), ..PlanSettings::default() };
     let prepared = Prepared::new(&hypotheses, &sensor, &settings).expect("hypotheses");
-    let mut drawn = || {
-        prepared.line(TAU * random.f64(), prepared.radius() * uniform(&mut random, -1.0, 1.0))
-    };
+    let mut drawn = || prepared.line(TAU * random.f64(), prepared.radius() * uniform(&mut random, -1.0, 1.0));
     let lines: Vec<_> = (0..NUM_LINES).filter_map(|_| drawn()).collect();
     let usable = lines.iter().filter(|line| prepared.score(line).is_some()).take(NUM_PATHS);
     let mut paths: Vec<Path> = usable.map(|line| prepared.judge(line)).collect();
