@@ -25,7 +25,8 @@ pub(crate) fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&Halt) ->
                 match result.recv_timeout(PAUSE) {
                     Ok(value) => return raised.map_or(Some(Ok(value)), |error| Some(Err(error))),
                     Err(RecvTimeoutError::Timeout) if raised.is_none() => {
-                        raised = Python::attach(Python::check_signals).err();
+                        let signals = Python::attach(|py: Python<'_>| -> PyResult<()> { py.check_signals() });
+                        raised = signals.err();
                         flag.store(raised.is_some(), Relaxed);
                     }
                     Err(RecvTimeoutError::Timeout) => {}

@@ -169,14 +169,15 @@ impl Path {
         self.classes.iter().filter(|class| class.len() == 1).count()
     }
 
-    /// Whether it is good enough to stop.
-    fn enough(&self, stop: Stop) -> bool {
+    /// Whether it is good enough to stop, and keeps what it tells under shifts by m.
+    fn enough(&self, stop: Stop, m: f64) -> bool {
         let n = self.outcomes.len();
-        match stop {
+        let tells = match stop {
             Stop::Perfect => self.score <= 1.0,
             Stop::Unique(count) => self.num_unique() >= count.min(n),
             Stop::Share(share) => self.num_unique() as f64 >= share * n as f64,
-        }
+        };
+        tells && self.margin >= m
     }
 
     /// The order of paths, best first (DESIGN §2).
@@ -405,7 +406,7 @@ impl<'a> Best<'a> {
     }
 
     pub fn enough(&self, stop: Stop) -> bool {
-        self.path.as_ref().is_some_and(|path| path.enough(stop))
+        self.path.as_ref().is_some_and(|path| path.enough(stop, self.scene.margin))
     }
 }
 

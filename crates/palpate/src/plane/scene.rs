@@ -6,8 +6,10 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::arc::wrap;
+use super::outcome::{Allowance, Rules};
 use super::pose::Pose;
-use super::rays::{Allowance, Contacted, Line, Rules, Shadow, first_contact};
+use super::rays::{Contacted, Line, first_contact};
+use super::shadow::Shadow;
 use super::thesis::Placement;
 use crate::hypothesis::Hypothesis;
 use crate::judge::{Outcome, Reading, Verdict};

@@ -13,8 +13,8 @@ use glam::DVec2;
 use super::whole;
 use crate::plane::Surface;
 use crate::plane::arc::wrap;
-use crate::plane::rays::convex_hull;
 use crate::plane::scene::Scene;
+use crate::plane::shadow::convex_hull;
 
 /// A square of cells around all that the hypotheses may occupy.
 #[derive(Debug, Clone, Copy)]

@@ -2,26 +2,26 @@
 //!
 //! Boxes of lines (an interval of directions, an interval of places across) are divided. From a few poses of each
 //! hypothesis follows what every line of a box leaves at least; a box that can't beat the best path found is closed. A
-//! box so small that no line in it moves anything by more than m/2 is closed by judging its middle: what a line of
+//! box so small that no line in it moves anything by more than m is closed by judging its middle: what a line of
 //! margin ≥ m in it tells, its middle tells as well.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
+use std::sync::Arc as Shared;
 
-use arrayvec::ArrayVec;
-use glam::DVec2;
 use rayon::prelude::*;
 
+use super::views::{Frame, Known, Look, View};
 use crate::plan::{Best, PlanSettings};
 use crate::plane::Line;
-use crate::plane::model::{Face, Surface};
-use crate::plane::pose::Pose;
 use crate::plane::scene::Scene;
-use crate::tree::Range;
 
 /// Intervals of directions at the start.
 const FIRST_DIRECTIONS: u32 = 64;
+
+/// The share of m by which lines of a smallest box may differ from its middle.
+const SMALLEST: f64 = 0.9;
 
 /// Boxes that are looked at together.
 const BATCH: usize = 256;
@@ -36,49 +36,18 @@ pub(crate) struct Proof {
 }
 
 /// An interval of directions and one of places across, about the middle of the scene.
-#[derive(Debug, Clone, Copy)]
-struct Lines {
-    angle: f64,
-    half: f64,
-    aside: f64,
-    reach: f64,
+#[derive(Debug, Clone)]
+pub(crate) struct Lines {
+    pub angle: f64,
+    pub half: f64,
+    pub aside: f64,
+    pub reach: f64,
     /// Pairs that every line of it leaves at least.
     left: usize,
     number: u64,
+    /// What the box around it has shown of each view; empty: nothing.
+    known: Shared<[Known]>,
 }
-
-/// A part at one pose, from the middle of the scene.
-struct View {
-    middle: DVec2,
-    radius: f64,
-    faces: Vec<ViewFace>,
-    /// Corners and their distances from the middle of the scene.
-    corners: Vec<(DVec2, f64)>,
-}
-
-/// A face, moved out by the tip's radius.
-struct ViewFace {
-    ends: [DVec2; 2],
-    /// The larger of the ends' distances from the middle of the scene.
-    reach: f64,
-    normal: DVec2,
-    touchable: bool,
-}
-
-/// What a line of a box may meet first of a view.
-#[derive(Debug, Clone, Default)]
-enum Glance {
-    /// One of these: depths, and the normal.
-    Met(ArrayVec<(Range, DVec2), MOST_MET>),
-    /// Nothing, on every line.
-    Missed,
-    /// Nothing is certain.
-    #[default]
-    Unsure,
-}
-
-/// With more faces that may be met nothing is called certain.
-const MOST_MET: usize = 4;
 
 /// Searches all lines for one that is better than `best`.
 pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> Proof {
@@ -108,9 +77,10 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
             match found {
                 Found::Nothing => {}
                 Found::Line(line) => best.offer(&line),
-                Found::AtLeast(left) => {
+                Found::AtLeast(left, known) => {
                     for part in lines.halves(scene) {
-                        open.push(Lines { left, number: next_number, ..part });
+                        let known = Shared::clone(&known);
+                        open.push(Lines { left, number: next_number, known, ..part });
                         next_number += 1;
                     }
                 }
@@ -125,24 +95,24 @@ enum Found {
     Nothing,
     /// Its middle, as good as any line of margin ≥ m in it.
     Line(Line),
-    /// Lines that leave so much, at least.
-    AtLeast(usize),
+    /// Lines that leave so much, at least; and what they may meet.
+    AtLeast(usize, Shared<[Known]>),
 }
 
 fn examine(scene: &Scene, members: &[usize], views: &[Vec<View>], lines: &Lines, enough: usize) -> Found {
     if lines.left >= enough || !scene.allowed(lines.angle, lines.half) {
         return Found::Nothing;
     }
-    let left = least_left(scene, views, lines, enough).map(|left| left.max(lines.left));
-    match left.filter(|left| *left < enough) {
-        None => Found::Nothing,
-        Some(left) if !lines.is_smallest(scene) => Found::AtLeast(left),
-        Some(_) => {
-            let better =
-                |line: &Line| scene.verdict(line, members, 0.0).is_some_and(|one| one.num_left() < enough);
-            scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
-        }
+    let Some((left, known)) = least_left(scene, views, lines, enough) else { return Found::Nothing };
+    let left = left.max(lines.left);
+    if left >= enough {
+        return Found::Nothing;
     }
+    if !lines.is_smallest(scene) {
+        return Found::AtLeast(left, known);
+    }
+    let better = |line: &Line| scene.verdict(line, members, 0.0).is_some_and(|one| one.num_left() < enough);
+    scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
 }
 
 /// All lines.
@@ -150,7 +120,15 @@ fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<Lines> {
     let half = PI / f64::from(FIRST_DIRECTIONS);
     let interval = |k: u32| {
         let angle = -PI + (2.0 * f64::from(k) + 1.0) * half;
-        Lines { angle, half, aside: 0.0, reach: scene.radius, left, number: u64::from(k) }
+        Lines {
+            angle,
+            half,
+            aside: 0.0,
+            reach: scene.radius,
+            left,
+            number: u64::from(k),
+            known: Shared::default(),
+        }
     };
     (0..FIRST_DIRECTIONS).map(interval).collect()
 }
@@ -161,244 +139,61 @@ impl Lines {
         self.reach + 2.0 * (0.5 * self.half).sin() * radius
     }
 
-    /// No line of the box is farther than half of m from its middle.
+    /// No line of the box is farther than m from its middle, with some room for rounding.
     fn is_smallest(&self, scene: &Scene) -> bool {
-        self.motion(scene.radius) <= 0.5 * scene.margin && self.half <= 0.5 * scene.margin / scene.size
+        self.motion(scene.radius) <= SMALLEST * scene.margin
+            && self.half <= SMALLEST * scene.margin / scene.size
     }
 
     fn halves(&self, scene: &Scene) -> [Self; 2] {
         let turn = (2.0 * (0.5 * self.half).sin() * scene.radius).max(self.half * scene.size);
         if turn > self.reach {
             let half = 0.5 * self.half;
-            [-half, half].map(|by| Self { angle: self.angle + by, half, ..*self })
+            [-half, half].map(|by| Self { angle: self.angle + by, half, ..self.clone() })
         } else {
             let reach = 0.5 * self.reach;
-            [-reach, reach].map(|by| Self { aside: self.aside + by, reach, ..*self })
+            [-reach, reach].map(|by| Self { aside: self.aside + by, reach, ..self.clone() })
         }
     }
 }
 
-/// Pairs that every usable line of the box leaves at least, or `enough`; `None` if no line of it can be used.
-fn least_left(scene: &Scene, views: &[Vec<View>], lines: &Lines, enough: usize) -> Option<usize> {
+/// Pairs that every usable line of the box leaves at least, or `enough`, and what is then known of each view; `None` if no
+/// line of it can be used.
+fn least_left(
+    scene: &Scene,
+    views: &[Vec<View>],
+    lines: &Lines,
+    enough: usize,
+) -> Option<(usize, Shared<[Known]>)> {
     let frame = Frame::new(scene, lines);
+    let most = views.iter().map(Vec::len).max().unwrap_or(0);
     let mut looks: Vec<Look> = views.iter().map(|_| Look::default()).collect();
     let mut joined = vec![false; views.len() * views.len()];
+    let mut known = vec![Known::Nothing; views.len() * most];
     let mut left = views.len();
-    let most = views.iter().map(Vec::len).max().unwrap_or(0);
     for number in 0..most {
         for (k, of_member) in views.iter().enumerate() {
             let Some(view) = of_member.get(number) else { continue };
-            let glance = view.glance(&frame);
+            let place = k * most + number;
+            let glance = view.glance(&frame, lines.known.get(place));
             if glance.skids(&frame) {
                 return None;
             }
             for (j, other) in looks.iter().enumerate() {
                 let pair = k.max(j) * views.len() + k.min(j);
-                if j != k && !joined[pair] && other.holds_alike(&glance, &frame) {
-                    joined[pair] = true;
+                if j != k && other.holds_alike(&glance, &frame) && !std::mem::replace(&mut joined[pair], true)
+                {
                     left += 2;
                     if left >= enough {
-                        return Some(left);
+                        return Some((left, Shared::default()));
                     }
                 }
             }
+            known[place] = glance.known();
             looks[k].add(glance);
         }
     }
-    Some(left)
-}
-
-/// A box of lines as views are seen from it.
-struct Frame<'a> {
-    scene: &'a Scene,
-    lines: Lines,
-    along: DVec2,
-    left: DVec2,
-    /// How far a point at distance 1 from the middle moves by the half interval of directions; sine of that interval.
-    chord: f64,
-    sine: f64,
-    /// The cosine of the largest incidence at which a line of margin m can be used, seen from the middle line.
-    skid_cosine: f64,
-    /// Readings whose depths, and normals, differ by no more are alike for lines of margin m.
-    alike_depth: f64,
-    alike_cosine: f64,
-}
-
-impl<'a> Frame<'a> {
-    fn new(scene: &'a Scene, lines: &Lines) -> Self {
-        let along = DVec2::from_angle(lines.angle);
-        let angle_margin = scene.margin / scene.size;
-        let skid = (scene.sensor.max_incidence - angle_margin).max(0.0) + lines.half;
-        let alike = scene.sensor.normal_error.map_or(PI, |error| 2.0 * (error + angle_margin));
-        Self {
-            scene,
-            lines: *lines,
-            along,
-            left: along.perp(),
-            chord: 2.0 * (0.5 * lines.half).sin(),
-            sine: lines.half.sin(),
-            skid_cosine: skid.min(PI).cos(),
-            alike_depth: 2.0 * (scene.sensor.position_error + scene.margin),
-            alike_cosine: if alike >= PI { -2.0 } else { alike.cos() },
-        }
-    }
-
-    /// Along the middle line, and to its left.
-    fn place(&self, at: DVec2) -> (f64, f64) {
-        (self.along.dot(at), self.left.dot(at) - self.lines.aside)
-    }
-
-    /// How far a point at `reach` from the middle of the scene moves, seen from the lines of the box.
-    fn motion(&self, reach: f64) -> f64 {
-        self.lines.reach + self.chord * reach
-    }
-
-    fn alike(&self, a: &(Range, DVec2), b: &(Range, DVec2)) -> bool {
-        let farthest = (a.0.high - b.0.low).max(b.0.high - a.0.low);
-        farthest <= self.alike_depth && a.1.dot(b.1) >= self.alike_cosine
-    }
-}
-
-/// What was seen of a hypothesis from its views so far.
-struct Look {
-    met: Vec<ArrayVec<(Range, DVec2), MOST_MET>>,
-    missed: bool,
-    /// Around the depths of all.
-    depths: Range,
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        Self { met: Vec::new(), missed: false, depths: Range { low: f64::INFINITY, high: f64::NEG_INFINITY } }
-    }
-}
-
-impl Look {
-    fn add(&mut self, glance: Glance) {
-        match glance {
-            Glance::Met(met) => {
-                for (range, _) in &met {
-                    self.depths.low = self.depths.low.min(range.low);
-                    self.depths.high = self.depths.high.max(range.high);
-                }
-                self.met.push(met);
-            }
-            Glance::Missed => self.missed = true,
-            Glance::Unsure => {}
-        }
-    }
-
-    /// Whether on every line of the box the reading of some view may be that of the glance, either wrong by its bounds and
-    /// by m.
-    fn holds_alike(&self, glance: &Glance, frame: &Frame<'_>) -> bool {
-        match glance {
-            Glance::Unsure => false,
-            Glance::Missed => self.missed,
-            Glance::Met(met) => {
-                let near = |(range, _): &(Range, DVec2)| {
-                    range.low - self.depths.high <= frame.alike_depth
-                        && self.depths.low - range.high <= frame.alike_depth
-                };
-                let all_alike = |other: &ArrayVec<(Range, DVec2), MOST_MET>| {
-                    met.iter().all(|a| other.iter().all(|b| frame.alike(a, b)))
-                };
-                met.iter().all(near) && self.met.iter().any(all_alike)
-            }
-        }
-    }
-}
-
-impl View {
-    fn new(scene: &Scene, member: usize, pose: Pose) -> Self {
-        let model = scene.shadows[member].model();
-        let radius = scene.sensor.tip_radius;
-        let face = |face: &Face| {
-            let normal = pose.rotation.rotate(face.normal);
-            let ends = [face.start, face.end].map(|end| pose.apply(end) + radius * normal - scene.middle);
-            let reach = ends[0].length().max(ends[1].length());
-            ViewFace { ends, reach, normal, touchable: face.surface == Surface::Touchable }
-        };
-        let faces = model.faces.iter().filter(|face| face.surface != Surface::Seam).map(face).collect();
-        let corners: Vec<DVec2> =
-            model.vertices.iter().map(|vertex| pose.apply(vertex.point) - scene.middle).collect();
-        let middle = corners.iter().sum::<DVec2>() / corners.len() as f64;
-        let radius = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
-        let corners = corners.into_iter().map(|corner| (corner, corner.length())).collect();
-        Self { middle, radius, faces, corners }
-    }
-
-    /// What lines of the box may meet first. A closed part is met at one of the faces that look toward the line.
-    fn glance(&self, frame: &Frame<'_>) -> Glance {
-        let radius = frame.scene.sensor.tip_radius;
-        let (_, aside) = frame.place(self.middle);
-        let clear = self.radius + radius + frame.motion(self.middle.length() + self.radius);
-        if aside.abs() > clear {
-            return Glance::Missed;
-        }
-        let (mut some_right, mut some_left) = (false, false);
-        for &(corner, reach) in &self.corners {
-            let (_, s) = frame.place(corner);
-            let motion = frame.motion(reach) + radius;
-            some_right |= s <= motion;
-            some_left |= s >= -motion;
-            if radius > 0.0 && s.abs() <= motion {
-                return Glance::Unsure;
-            }
-        }
-        if !(some_right && some_left) {
-            return Glance::Missed;
-        }
-        self.met(frame)
-    }
-
-    /// The faces that may be met first, if some face surely is in the way.
-    fn met(&self, frame: &Frame<'_>) -> Glance {
-        let mut nearest_sure = f64::INFINITY;
-        let mut met: ArrayVec<(Range, DVec2, bool), 16> = ArrayVec::new();
-        for face in &self.faces {
-            let speed = face.normal.dot(frame.along);
-            if speed >= frame.sine {
-                continue;
-            }
-            let [(t0, s0), (t1, s1)] = face.ends.map(|end| frame.place(end));
-            let motion = frame.motion(face.reach);
-            if s0.min(s1) > motion || s0.max(s1) < -motion {
-                continue;
-            }
-            let sure = speed < -frame.sine && s0.min(s1) < -motion && s0.max(s1) > motion;
-            let range = crossed_at((t0, s0), (t1, s1), motion);
-            if sure {
-                nearest_sure = nearest_sure.min(range.high);
-            }
-            if met.try_push((range, face.normal, face.touchable)).is_err() {
-                return Glance::Unsure;
-            }
-        }
-        met.retain(|(range, ..)| range.low <= nearest_sure);
-        if nearest_sure == f64::INFINITY || met.len() > MOST_MET || met.iter().any(|one| !one.2) {
-            return Glance::Unsure;
-        }
-        Glance::Met(met.into_iter().map(|(range, normal, _)| (range, normal)).collect())
-    }
-}
-
-/// Depths at which lines of a box may cross a face with these ends: none is farther than `motion` from the middle line
-/// where it crosses it, and depths differ by as much again.
-fn crossed_at((t0, s0): (f64, f64), (t1, s1): (f64, f64), motion: f64) -> Range {
-    let ends = Range { low: t0.min(t1) - motion, high: t0.max(t1) + motion };
-    if (s1 - s0).abs() <= 2.0 * motion {
-        return ends;
-    }
-    let slope = (t1 - t0) / (s1 - s0);
-    let (at, spread) = (t0 - slope * s0, motion * (1.0 + slope.abs()));
-    Range { low: (at - spread).max(ends.low), high: (at + spread).min(ends.high) }
-}
-
-impl Glance {
-    /// Whether whatever is met is met at too large an incidence for a usable line of margin m.
-    fn skids(&self, frame: &Frame<'_>) -> bool {
-        matches!(self, Self::Met(met) if met.iter().all(|(_, normal)| -normal.dot(frame.along) < frame.skid_cosine))
-    }
+    Some((left, known.into()))
 }
 
 impl PartialEq for Lines {

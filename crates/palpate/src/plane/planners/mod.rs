@@ -6,6 +6,7 @@ mod ellis;
 mod grimson;
 mod schneiter;
 mod sweep;
+mod views;
 
 pub use ellis::EllisCounters;
 

@@ -1,0 +1,434 @@
+//! What a line may meet first, over a whole pose set (MATH 2.3.4, 2.3.5; `docs/theory.md`, T11).
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec2;
+
+use super::arc::{Arc, wrap};
+use super::model::{Model, Surface};
+use super::rays::Line;
+use super::shadow::{PlacedCell, Shadow, Spot};
+use crate::feature::Feature;
+use crate::judge::{Fault, Outcome, Touch};
+use crate::sensor::Sensor;
+use crate::tree::Range;
+
+/// What is granted beyond the poses: all ranges are wider by it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Allowance {
+    /// The tip may be this far from its line.
+    aside: f64,
+    /// Depths.
+    depth: f64,
+    /// Normals, radians.
+    angle: f64,
+}
+
+impl Allowance {
+    /// Path error, the model's slacks, and the margin μ, as a length and as an angle.
+    pub fn new(sensor: &Sensor, model: &Model, margin: f64, angle_margin: f64) -> Self {
+        Self {
+            aside: sensor.path_error + model.position_slack + margin,
+            depth: model.position_slack + margin,
+            angle: model.normal_slack + angle_margin,
+        }
+    }
+}
+
+/// Which first contacts are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Rules {
+    pub faces: bool,
+    pub vertices: bool,
+    /// Faces that a contact is assigned to are not to be touched.
+    pub avoid_assigned: bool,
+}
+
+/// How far along the line a vertex may be, and how far to the left of it.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    along: Range,
+    aside: Range,
+}
+
+/// A contact that is possible in a cell.
+struct Possible {
+    feature: Feature,
+    depth: Range,
+    normals: Arc,
+    fault: Option<Fault>,
+}
+
+impl Shadow {
+    /// What the line may meet first, over all poses.
+    ///
+    /// `allowance` widens everything before nearer contacts hide farther ones, so that with a larger one the outcome only
+    /// grows (`docs/theory.md`, T12).
+    pub fn outcome(&self, line: &Line, sensor: &Sensor, allowance: &Allowance, rules: Rules) -> Outcome {
+        let mut outcome = Outcome::default();
+        let mut seen = Vec::with_capacity(self.model.vertices.len());
+        for cell in &self.cells {
+            self.check_start(cell, line, sensor, allowance, &mut outcome);
+            seen.clear();
+            seen.extend(cell.spots.iter().map(|spot| self.seen(spot, line)));
+            let (blocked, possible) = self.cell_outcome(cell, &seen, line, sensor, allowance);
+            outcome.may_miss |= blocked.is_none();
+            for one in possible {
+                if one.depth.low <= blocked.unwrap_or(f64::INFINITY) {
+                    let fault = one.fault.or_else(|| self.unwanted(one.feature, rules));
+                    if let Some(fault) = fault {
+                        outcome.fault = Some(outcome.fault.map_or(fault, |known| known.min(fault)));
+                    }
+                    add(&mut outcome.touches, &one);
+                }
+            }
+        }
+        outcome.touches.sort_by_key(|a| a.feature);
+        outcome
+    }
+
+    /// Whether a first contact on the feature breaks a rule.
+    fn unwanted(&self, feature: Feature, rules: Rules) -> Option<Fault> {
+        match feature {
+            Feature::Face(number) if rules.avoid_assigned && self.assigned[number as usize] => {
+                Some(Fault::Assigned)
+            }
+            Feature::Face(_) if !rules.faces => Some(Fault::Kind),
+            Feature::Vertex(_) if !rules.vertices => Some(Fault::Kind),
+            _ => None,
+        }
+    }
+
+    /// The tip must be clear of the part where it starts, at every pose of the cell.
+    fn check_start(
+        &self,
+        cell: &PlacedCell,
+        line: &Line,
+        sensor: &Sensor,
+        allowance: &Allowance,
+        outcome: &mut Outcome,
+    ) {
+        let keep = sensor.tip_radius + allowance.aside;
+        if line.start.distance(self.middle) > self.radius + keep {
+            return;
+        }
+        // In the model's frame, from the middle of the cell, the start moves by no more than `motion`.
+        let y_mid = cell.y_mid();
+        let lever = line.start - self.pivot;
+        let spread = cell.corners.iter().map(|(_, y)| y.distance(y_mid)).fold(0.0, f64::max);
+        let motion = spread + 2.0 * (0.5 * cell.half).sin() * lever.length();
+        let at = y_mid + DVec2::from_angle(-cell.mid).rotate(lever);
+        if self.model.signed_distance(at) <= keep + motion {
+            outcome.fault = Some(Fault::Start);
+        }
+    }
+
+    fn seen(&self, spot: &Spot, line: &Line) -> Seen {
+        let none = Range { low: f64::INFINITY, high: f64::NEG_INFINITY };
+        let (mut along, mut aside) = (none, none);
+        for point in &self.points[spot.hull.clone()] {
+            let (t, s) = line.coordinates(*point);
+            along = Range { low: along.low.min(t), high: along.high.max(t) };
+            aside = Range { low: aside.low.min(s), high: aside.high.max(s) };
+        }
+        Seen { along: widened(along, spot.pad), aside: widened(aside, spot.pad) }
+    }
+
+    /// By which depth the line has surely met the part (`None`: it may pass it by), and what it may meet, in one cell.
+    fn cell_outcome(
+        &self,
+        cell: &PlacedCell,
+        seen: &[Seen],
+        line: &Line,
+        sensor: &Sensor,
+        allowance: &Allowance,
+    ) -> (Option<f64>, Vec<Possible>) {
+        let mut possible = Vec::new();
+        let reach = allowance.aside + sensor.tip_radius;
+        if seen.iter().all(|seen| seen.aside.low > reach) || seen.iter().all(|seen| seen.aside.high < -reach)
+        {
+            return (None, possible);
+        }
+        for number in 0..self.model.faces.len() {
+            possible.extend(self.possible_on_face(cell, seen, number, line, sensor, allowance));
+        }
+        if sensor.tip_radius > 0.0 {
+            for number in 0..self.model.vertices.len() {
+                possible.extend(self.possible_on_vertex(cell, seen, number, line, sensor, allowance));
+            }
+        }
+        let blocked = self.surely_met(cell, seen, line, sensor, allowance);
+        (blocked.filter(|depth| *depth >= 0.0), possible)
+    }
+
+    /// A contact of the tip with one face, moved out by the tip's radius.
+    fn possible_on_face(
+        &self,
+        cell: &PlacedCell,
+        seen: &[Seen],
+        number: usize,
+        line: &Line,
+        sensor: &Sensor,
+        allowance: &Allowance,
+    ) -> Option<Possible> {
+        let face = &self.model.faces[number];
+        if face.surface == Surface::Seam {
+            return None;
+        }
+        let [start, end] = self.ends[number].map(|vertex| seen[vertex]);
+        let near = hull(start.aside, end.aside);
+        let reach = allowance.aside + sensor.tip_radius;
+        if near.low > reach || near.high < -reach {
+            return None;
+        }
+        let normals = Arc::around(cell.mid + face.normal.to_angle(), cell.half + allowance.angle);
+        let incidence = incidence(normals, line);
+        if incidence.low >= FRAC_PI_2 || (incidence.high >= FRAC_PI_2 && !self.model.closed) {
+            // The back of a face: of a closed part it is never met first, of a loose one it is in the way, and the radius
+            // moves it to the other side.
+            if self.model.closed {
+                return None;
+            }
+            let along = hull(start.along, end.along);
+            let depth = widened(along, allowance.depth + sensor.tip_radius);
+            return (depth.high >= 0.0).then_some(Possible {
+                feature: Feature::Face(number as u32),
+                depth,
+                normals: normals.turn(PI),
+                fault: Some(Fault::Untouchable),
+            });
+        }
+        // The radius moves the face to one side.
+        let moved = Range::of_dot(cell.turned(face.normal), line.left(), cell.half).times(sensor.tip_radius);
+        if near.low + moved.low > allowance.aside || near.high + moved.high < -allowance.aside {
+            return None;
+        }
+        let depth = self.face_depth(cell, [start, end], number, line, sensor.tip_radius, allowance)?;
+        let limit = sensor.max_incidence;
+        let fault = match face.surface {
+            Surface::Touchable => (incidence.high > limit).then_some(Fault::Skid),
+            _ => Some(Fault::Untouchable),
+        };
+        (depth.high >= 0.0).then_some(Possible {
+            feature: Feature::Face(number as u32),
+            depth,
+            normals,
+            fault,
+        })
+    }
+
+    /// Depths at which the tip's centre may meet the line of a face, moved out by `radius`, between the face's ends.
+    ///
+    /// The signed distance of a point of the path from the moved line is linear in `(s, y)` but for the cosine; divided
+    /// by the cosine of the incidence it is the way that is left to go (MATH 2.3.5).
+    fn face_depth(
+        &self,
+        cell: &PlacedCell,
+        [start, end]: [Seen; 2],
+        number: usize,
+        line: &Line,
+        radius: f64,
+        allowance: &Allowance,
+    ) -> Option<Range> {
+        let face = &self.model.faces[number];
+        let normal = cell.turned(face.normal);
+        // How far along the line the radius moves each end: r·(n·u) over the cell.
+        let shift = Range::of_dot(normal, line.direction, cell.half).times(radius);
+        let span = hull(start.along, end.along);
+        let extent = Range { low: span.low + shift.low, high: span.high + shift.high };
+        // Ends cut off where the path does not reach: only the part of the face within `aside` of the line is met.
+        let incidence = incidence(Arc::around(normal.to_angle(), cell.half), line);
+        if incidence.high >= FRAC_PI_2 - 1e-3 {
+            return Some(widened(extent, allowance.depth));
+        }
+        let (slowest, fastest) = (incidence.high.cos(), incidence.low.cos());
+        let inner = face.normal.dot(face.start) + radius;
+        let y_mid = cell.y_mid();
+        let along_normal = normal.dot(line.direction);
+        let t_mid = (inner - face.normal.dot(y_mid) + normal.dot(self.pivot - line.start)) / along_normal;
+        let arm = self.pivot - line.at(t_mid);
+        let (a, b) = (normal.dot(arm), normal.perp().dot(arm));
+        let mut gap = Range { low: f64::INFINITY, high: f64::NEG_INFINITY };
+        for (s, y) in &cell.corners {
+            let value = inner - face.normal.dot(*y) + cell.mu * a + s * b;
+            gap = Range { low: gap.low.min(value), high: gap.high.max(value) };
+        }
+        let gap = widened(gap, cell.rho * a.abs() + allowance.aside * incidence.high.sin());
+        // t − t_mid = gap / (n·u), and n·u is in [−fastest, −slowest].
+        let quotient = |value: f64, upper: bool| {
+            if (value > 0.0) == upper { value / slowest } else { value / fastest }
+        };
+        let depth = Range {
+            low: (t_mid + quotient(-gap.high, false)).max(extent.low),
+            high: (t_mid + quotient(-gap.low, true)).min(extent.high),
+        };
+        let rounding = 1e-9 * (self.radius + depth.low.abs());
+        (depth.low <= depth.high + rounding).then(|| widened(depth, allowance.depth + rounding))
+    }
+
+    /// A contact of a ball with a vertex that sticks out.
+    fn possible_on_vertex(
+        &self,
+        cell: &PlacedCell,
+        seen: &[Seen],
+        number: usize,
+        line: &Line,
+        sensor: &Sensor,
+        allowance: &Allowance,
+    ) -> Option<Possible> {
+        let radius = sensor.tip_radius;
+        let Seen { along, aside } = seen[number];
+        let cone = self.cones[number]?;
+        // The vertex's offset to the left of the tip's way, as a share of the radius: the sine of the incidence.
+        let low = ((aside.low - allowance.aside) / radius).max(-1.0);
+        let high = ((aside.high + allowance.aside) / radius).min(1.0);
+        if low > high {
+            return None;
+        }
+        let back = (-line.direction).to_angle();
+        let (low, high) = (low.asin(), high.asin());
+        let hit = Arc { start: back + low, width: high - low }.widen(allowance.angle);
+        let sticking = cone.turn(cell.mid).widen(cell.half + allowance.angle);
+        let parts = hit.intersect(sticking);
+        let first = parts.first()?;
+        let normals = if parts.len() == 1 { *first } else { hit };
+        let incidence = incidence(normals, line);
+        let depth = Range {
+            low: along.low - radius * incidence.low.cos() - allowance.depth,
+            high: along.high - radius * incidence.high.min(FRAC_PI_2).cos() + allowance.depth,
+        };
+        let touchable = self.model.vertices[number].normals.is_some();
+        let fault = if touchable {
+            (incidence.high > sensor.max_incidence).then_some(Fault::Skid)
+        } else {
+            Some(Fault::Untouchable)
+        };
+        let feature = Feature::Vertex(number as u32);
+        (depth.high >= 0.0).then_some(Possible { feature, depth, normals, fault })
+    }
+
+    /// A depth by which the line has surely met the part, if it surely does.
+    ///
+    /// Between a vertex that is surely to its left and the next one that is surely to its right an outline must cross the
+    /// line, inward; of a loose face this is said only if it is one face. The tip touches no later than its centre is its
+    /// radius away from that crossing.
+    fn surely_met(
+        &self,
+        cell: &PlacedCell,
+        seen: &[Seen],
+        line: &Line,
+        sensor: &Sensor,
+        allowance: &Allowance,
+    ) -> Option<f64> {
+        let side = |vertex: usize| {
+            if seen[vertex].aside.low > allowance.aside {
+                1
+            } else if seen[vertex].aside.high < -allowance.aside {
+                -1
+            } else {
+                0
+            }
+        };
+        // The depth by which a run of faces is met: the farthest of those that the line may cross.
+        let farthest = |faces: &mut dyn Iterator<Item = usize>| {
+            let mut depth = f64::NEG_INFINITY;
+            for number in faces {
+                let [start, end] = self.ends[number].map(|vertex| seen[vertex]);
+                let reach = hull(start.aside, end.aside);
+                if reach.low > allowance.aside || reach.high < -allowance.aside {
+                    continue;
+                }
+                if hull(start.along, end.along).low <= 0.0 {
+                    return None;
+                }
+                let normal = cell.turned(self.model.faces[number].normal);
+                if incidence(Arc::around(normal.to_angle(), cell.half), line).low < FRAC_PI_2 {
+                    let range = self.face_depth(cell, [start, end], number, line, 0.0, allowance);
+                    depth = range.map_or(depth, |range| depth.max(range.high));
+                } else if !self.model.closed {
+                    depth = depth.max(hull(start.along, end.along).high + allowance.depth);
+                }
+            }
+            depth.is_finite().then_some(depth - sensor.tip_radius)
+        };
+        let mut least: Option<f64> = None;
+        let mut take = |depth: Option<f64>| {
+            if let Some(depth) = depth {
+                least = Some(least.map_or(depth, |known: f64| known.min(depth)));
+            }
+        };
+        if !self.model.closed {
+            for number in
+                (0..self.model.faces.len()).filter(|k| self.model.faces[*k].surface != Surface::Seam)
+            {
+                let [start, end] = self.ends[number];
+                if side(start) * side(end) < 0 {
+                    take(farthest(&mut std::iter::once(number)));
+                }
+            }
+            return least;
+        }
+        for faces in &self.loops {
+            let count = faces.len();
+            let at = |k: usize| faces.start + k % count;
+            let Some(first) = (0..count).find(|k| side(self.ends[at(*k)][0]) != 0) else { continue };
+            let mut from = first;
+            for k in first + 1..=first + count {
+                let here = side(self.ends[at(k)][0]);
+                if here == 0 {
+                    continue;
+                }
+                if side(self.ends[at(from)][0]) == 1 && here == -1 {
+                    take(farthest(&mut (from..k).map(at)));
+                }
+                from = k;
+            }
+        }
+        least
+    }
+}
+
+/// Adds a contact; those on one feature become one.
+fn add(touches: &mut Vec<Touch>, one: &Possible) {
+    match touches.iter_mut().find(|touch| touch.feature == one.feature) {
+        Some(touch) => {
+            touch.depth = hull(touch.depth, one.depth);
+            touch.normals = around_both(touch.normals, one.normals);
+        }
+        None => touches.push(Touch { feature: one.feature, depth: one.depth, normals: one.normals }),
+    }
+}
+
+/// An arc that holds two, the shorter way around.
+fn around_both(a: Arc, b: Arc) -> Arc {
+    let offset = wrap(b.middle() - a.middle());
+    let low = (-a.half_width()).min(offset - b.half_width());
+    let high = a.half_width().max(offset + b.half_width());
+    if high - low >= TAU { Arc::FULL } else { Arc { start: a.middle() + low, width: high - low } }
+}
+
+/// Angles between the way back and the normals.
+fn incidence(normals: Arc, line: &Line) -> Range {
+    let away = wrap(normals.middle() - (-line.direction).to_angle()).abs();
+    Range { low: (away - normals.half_width()).max(0.0), high: (away + normals.half_width()).min(PI) }
+}
+
+fn widened(range: Range, by: f64) -> Range {
+    Range { low: range.low - by, high: range.high + by }
+}
+
+fn hull(a: Range, b: Range) -> Range {
+    Range { low: a.low.min(b.low), high: a.high.max(b.high) }
+}
+
+impl Range {
+    /// The scalar product of two unit vectors, the first of which turns by up to `half`.
+    fn of_dot(a: DVec2, b: DVec2, half: f64) -> Self {
+        let angle = wrap(a.to_angle() - b.to_angle()).abs();
+        Self { low: (angle + half).min(PI).cos(), high: (angle - half).max(0.0).cos() }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self { low: factor * self.low, high: factor * self.high }
+    }
+}
