@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane table-no-normals wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures table-no-normals wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -69,6 +69,18 @@ accuracy: .venv/.built ## measure bounds against dense sampling; writes docs/acc
 
 campaign-plane: .venv/.built ## 100,000 random planar problems: is anything true lost? resumes where it was stopped
 	$(BIN)/python -m palpate.experiments.campaign_plane $(ARGS)
+
+campaign-plan: | .venv/.cargo ## 1,000 planning problems, 200,000 random lines each: is any better than complete? resumes
+	cargo run --quiet --release --example campaign_plan -- $(or $(ARGS),1000 200000)
+
+promises: | .venv/.cargo ## 1,000,000 simulated readings: is any promise of a path broken?
+	mkdir -p target/figures
+	cargo run --quiet --release --example promises -- $(ARGS) > target/figures/promises.json
+
+planning-figures: .venv/.built promises ## measure planning; writes docs/planning-figures.md anew (some minutes)
+	cargo run --quiet --release --example touches > target/figures/touches.json
+	cargo run --quiet --release --example plan_speed > target/figures/plan_speed.json
+	$(BIN)/python -m palpate.experiments.planning target/figures docs/planning-figures.md
 
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)

@@ -513,6 +513,14 @@ impl Prepared {
         self.scene.line(angle, aside)
     }
 
+    /// No judgement of a line gives a score below this: what it leaves at one pose of each hypothesis. Quick.
+    #[must_use]
+    pub fn least_score(&self, line: &Line) -> f64 {
+        let seen = |k: &usize| self.scene.contact(*k, self.scene.views[*k][0], line);
+        let readings = self.members.iter().map(|k| seen(k).map(|at| (at.depth, at.normal.to_angle())));
+        self.scene.num_alike(&readings.collect::<Vec<_>>()) as f64 / self.members.len() as f64
+    }
+
     /// The score of a line; `None` if it can't be used.
     #[must_use]
     pub fn score(&self, line: &Line) -> Option<f64> {

@@ -1,0 +1,86 @@
+//! `complete` is never worse than random lines or than another planner, where it proved its path (`docs/theory.md`, T13).
+//!
+//! A slice of `make campaign-plan`.
+
+#[path = "common/against.rs"]
+mod against;
+mod common;
+#[path = "common/parts.rs"]
+mod parts;
+#[path = "common/planning.rs"]
+mod planning;
+
+use std::f64::consts::TAU;
+
+use fastrand::Rng;
+use palpate::plan::Prepared;
+use palpate::plane::Line;
+
+const PROBLEMS: u64 = 24;
+const LINES: u64 = 5_000;
+const EFFORT: u64 = 30_000;
+
+#[test]
+fn nothing_is_better_than_what_complete_proved() {
+    let mut num_proved = 0;
+    for number in 0..PROBLEMS {
+        let case = planning::case(number);
+        let outcome = against::against(&case, number, LINES, EFFORT);
+        if outcome.complete.proved {
+            num_proved += 1;
+            assert!(outcome.better.is_empty(), "problem {number}: {:?}", outcome.better);
+        }
+        // Cut short or not, nothing is below the bound.
+        let lowest = outcome.better.iter().map(|one| one.score).fold(f64::INFINITY, f64::min);
+        assert!(lowest >= outcome.complete.bound - 1e-9, "problem {number}: {lowest}");
+    }
+    assert!(num_proved >= PROBLEMS / 2, "{num_proved} of {PROBLEMS}");
+}
+
+/// Lines near one that was judged: turned and shifted so that nothing moves by more than `share` of m, seen from the line.
+fn near(
+    case: &planning::Case,
+    prepared: &Prepared,
+    line: (f64, f64),
+    share: f64,
+    random: &mut Rng,
+) -> Option<Line> {
+    let (size, radius) = (case.margin() / case.settings.margin, prepared.radius());
+    let most = (share * case.settings.margin).min(share * case.margin() / radius.max(size));
+    let turn = most * [-1.0, 1.0][random.usize(0..2)] * random.f64();
+    let reach = share * case.margin() - turn.abs() * radius;
+    prepared.line(line.0 + turn, line.1 + reach * [-1.0, 1.0][random.usize(0..2)])
+}
+
+#[test]
+fn a_line_of_margin_m_is_matched_by_all_within_half_of_m() {
+    let (mut random, mut num_lines) = (Rng::with_seed(3), 0);
+    for number in 0..PROBLEMS {
+        let case = planning::case(number);
+        let prepared = Prepared::new(&case.hypotheses, &case.sensor, &case.settings).expect("hypotheses");
+        for _ in 0..200 {
+            let numbers = (TAU * random.f64(), prepared.radius() * (2.0 * random.f64() - 1.0));
+            let Some(line) = prepared.line(numbers.0, numbers.1) else { continue };
+            if prepared.score(&line).is_none() {
+                continue;
+            }
+            let path = prepared.judge(&line);
+            if path.margin < case.margin() {
+                continue;
+            }
+            num_lines += 1;
+            for _ in 0..3 {
+                let other = near(&case, &prepared, numbers, 0.5, &mut random).expect("all lines are allowed");
+                let other = prepared.judge(&other);
+                assert_eq!(other.fault, None, "problem {number}: {numbers:?} {:?}", other.line);
+                let as_good = |k: usize, j: usize| {
+                    other.outcomes[k].separated(&other.outcomes[j], &case.sensor)
+                        || !path.outcomes[k].separated(&path.outcomes[j], &case.sensor)
+                };
+                let n = case.hypotheses.len();
+                assert!((0..n).all(|k| (0..k).all(|j| as_good(k, j))), "problem {number}: {numbers:?}");
+            }
+        }
+    }
+    assert!(num_lines > 500, "{num_lines}");
+}
