@@ -64,10 +64,16 @@ def documented():
     return texts
 
 
+def raw(text):
+    """A raw string of Rust."""
+    hash_mark = "#" if '"' in text else ""
+    return f'r{hash_mark}"{text}"{hash_mark}'
+
+
 def docs_rs():
     """The texts of the stub for the compiled module."""
     rules = "".join(
-        f'    ("{name}") => {{\n        r"{text}"\n    }};\n' for name, text in documented().items()
+        f'    ("{name}") => {{\n        {raw(text)}\n    }};\n' for name, text in documented().items()
     )
     return f"""\
 //! What `help()` shows, the texts of `python/palpate/_core.pyi`. Change them there, then write this file anew

@@ -9,18 +9,32 @@
 
 from typing import TYPE_CHECKING, Any
 
+from ._core import AmbiguityBranch as AmbiguityBranch
+from ._core import AmbiguityNode as AmbiguityNode
+from ._core import AmbiguityTree as AmbiguityTree
 from ._core import Contact as Contact
 from ._core import Hypothesis as Hypothesis
 from ._core import Interpretation as Interpretation
 from ._core import Interpretations as Interpretations
+from ._core import Lines as Lines
 from ._core import Miss as Miss
 from ._core import Model as Model
+from ._core import Outcome as Outcome
+from ._core import Path as Path
+from ._core import PlanReport as PlanReport
 from ._core import PoseSet as PoseSet
 from ._core import Prior as Prior
 from ._core import Recognition as Recognition
+from ._core import Sensor as Sensor
 from ._core import ThesisPose as ThesisPose
+from ._core import Touch as Touch
 from ._core import __version__ as __version__
+from ._core import judge as judge
+from ._core import plan as plan
+from ._core import plan_report as plan_report
+from ._core import plan_tree as plan_tree
 from ._core import recognize as recognize
+from ._core import verification_path as verification_path
 from .contacts import Evidence as Evidence
 from .contacts import read_contacts as read_contacts
 from .contacts import write_contacts as write_contacts

@@ -14,18 +14,32 @@ from numpy import bool_, float64
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "AmbiguityBranch",
+    "AmbiguityNode",
+    "AmbiguityTree",
     "Contact",
     "Hypothesis",
     "Interpretation",
     "Interpretations",
+    "Lines",
     "Miss",
     "Model",
+    "Outcome",
+    "Path",
+    "PlanReport",
     "PoseSet",
     "Prior",
     "Recognition",
+    "Sensor",
     "ThesisPose",
+    "Touch",
     "__version__",
+    "judge",
+    "plan",
+    "plan_report",
+    "plan_tree",
     "recognize",
+    "verification_path",
 ]
 
 __version__: Final[str]
@@ -538,3 +552,580 @@ class ThesisPose:
         Raises:
             ValueError: Another shape, or a number that is not finite.
         """
+
+@final
+class Sensor:
+    """Bounds of the next reading (3.3).
+
+    Immutable; equal if all numbers are equal; can be pickled.
+    """
+
+    def __new__(
+        cls,
+        position_error: float,
+        normal_error: float | None,
+        max_incidence: float,
+        tip_radius: float = 0.0,
+        path_error: float = 0.0,
+    ) -> Sensor:
+        """A sensor of points and, unless `normal_error` is None, of normals.
+
+        Args:
+            position_error: The sensed centre of the tip is within this of the true one; a length, zero or more.
+            normal_error: The sensed normal is within this angle of the true one; radians, zero to π/2. None: it reads no
+                normal.
+            max_incidence: Ω, the skid angle: a touch is reliable if the way back is within this of the surface normal;
+                radians, between 0 and π/2.
+            tip_radius: Radius of the tip; zero or more.
+            path_error: How far the tip may leave its line; zero or more.
+
+        Raises:
+            ValueError: A bound that is negative, out of its range or not finite.
+        """
+
+    @property
+    def position_error(self) -> float:
+        """Bound on the distance of the sensed centre from the true one."""
+    @property
+    def normal_error(self) -> float | None:
+        """Bound on the angle of the sensed normal; radians. None: it reads no normal."""
+    @property
+    def max_incidence(self) -> float:
+        """Ω, the largest reliable incidence; radians."""
+    @property
+    def tip_radius(self) -> float:
+        """Radius of the tip."""
+    @property
+    def path_error(self) -> float:
+        """How far the tip may leave its line."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+
+def plan(
+    hypotheses: Sequence[Hypothesis],
+    sensor: Sensor,
+    *,
+    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
+    stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
+    workspace: ArrayLike | None = None,
+    directions: tuple[ArrayLike, float] | None = None,
+    time_limit: float | None = None,
+    effort: int | None = None,
+    seed: int = 0,
+    features: Sequence[str] | None = None,
+    avoid_assigned: bool = False,
+    margin: float = 1e-3,
+    cells: int | None = None,
+    directions_tried: int | None = None,
+) -> Path | None:
+    """The straight guarded move that tells the hypotheses apart best (chapter 3).
+
+    What a path tells is for one judge to say, whichever planner proposes it. Over all poses of all hypotheses, the path
+    starts clear and is touched first only where a reading is reliable. The best has the smallest `score`; of those that
+    are equal, the smallest `expected_score`, the largest `margin`, the shortest way. Same input, same path, unless
+    `time_limit` cuts the search short. An interrupt (Ctrl-C) ends it.
+
+    Args:
+        hypotheses: `found.hypotheses` of a recognition, or some of them. Lengths are in the unit of their models.
+        sensor: Bounds of the next reading.
+        planner: Where candidates come from. `"auto"`: evenly spaced directions, quick, and `"complete"` where these tell
+            nothing. `"complete"`: all lines; no usable path of margin m or more is better, or `PlanReport.bound` says how
+            much better at most. `"ellis"`: the thesis's search (3.1 to 3.3, 4.1). `"grimson"`, `"schneiter"`: 5.4.2, 5.4.3.
+        stop: When a path is good enough (3.4): `"perfect"`, all are separated; `("unique", k)`, it identifies k
+            hypotheses, whichever of them is true; `("share", f)`, this share of them, above 0 and at most 1.
+        workspace: Two opposite corners, shape `(2, 2)`, world frame: paths begin at the border of this rectangle. None:
+            just outside of all hypotheses.
+        directions: A direction of travel, shape `(2,)`, world frame, of any length, and an angle in radians, zero to π:
+            only directions within this angle of it are allowed. None: all.
+        time_limit: Seconds. The best path found by then is returned.
+        effort: Boxes of lines that `"complete"` may examine, lines that the thesis's planners may judge; 1 or more. None:
+            two million. A limit that gives the same answer everywhere.
+        seed: For the poses that are drawn from the sets.
+        features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
+        avoid_assigned: Never touch a face that a contact is assigned to (1.1).
+        margin: m, as a share of the largest part's size, 1e-6 to 0.1: paths are wanted that tell the same when they are
+            shifted by m.
+        cells: Grid of `"grimson"` (8 to 16384) and `"schneiter"` (8 to 2048). None: 256.
+        directions_tried: Directions that `"grimson"` tries, 1 to 7200. None: 72.
+
+    Returns:
+        The path; None if one hypothesis is left, or if no path was found that can be used: `plan_report` says which.
+
+    Raises:
+        ValueError: No hypotheses, something else among them, an unknown planner, a number out of range.
+    """
+
+def plan_report(
+    hypotheses: Sequence[Hypothesis],
+    sensor: Sensor,
+    *,
+    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
+    stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
+    workspace: ArrayLike | None = None,
+    directions: tuple[ArrayLike, float] | None = None,
+    time_limit: float | None = None,
+    effort: int | None = None,
+    seed: int = 0,
+    features: Sequence[str] | None = None,
+    avoid_assigned: bool = False,
+    margin: float = 1e-3,
+    cells: int | None = None,
+    directions_tried: int | None = None,
+) -> PlanReport:
+    """The path of `plan`, and what is known of the paths that were not found.
+
+    Args:
+        hypotheses: As for `plan`.
+        sensor: As for `plan`.
+        planner: As for `plan`.
+        stop: As for `plan`.
+        workspace: As for `plan`.
+        directions: As for `plan`.
+        time_limit: As for `plan`.
+        effort: As for `plan`.
+        seed: As for `plan`.
+        features: As for `plan`.
+        avoid_assigned: As for `plan`.
+        margin: As for `plan`.
+        cells: As for `plan`.
+        directions_tried: As for `plan`.
+
+    Raises:
+        ValueError: As for `plan`.
+    """
+
+def judge(
+    hypotheses: Sequence[Hypothesis],
+    sensor: Sensor,
+    start: ArrayLike,
+    direction: ArrayLike,
+    length: float | None = None,
+    *,
+    features: Sequence[str] | None = None,
+    avoid_assigned: bool = False,
+    margin: float = 1e-3,
+    seed: int = 0,
+) -> Path:
+    """What a line of your own would tell, and whether it can be used (3.3).
+
+    Args:
+        hypotheses: As for `plan`.
+        sensor: Bounds of the next reading.
+        start: Where the centre of the tip begins, shape `(2,)`, world frame.
+        direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
+        length: How far to go, above zero. None: past the last possible contact.
+        features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
+        avoid_assigned: Whether a face that a contact is assigned to must not be touched first.
+        margin: m, as a share of the largest part's size; `Path.margin` is told in eighths of it.
+        seed: For the poses over which the expected score is taken.
+
+    Returns:
+        The path. If it can't be used, `faults` says why.
+
+    Raises:
+        ValueError: No hypotheses, another shape, a zero direction, a length that is not above zero, a number out of range.
+    """
+
+def verification_path(
+    hypothesis: Hypothesis,
+    sensor: Sensor,
+    *,
+    workspace: ArrayLike | None = None,
+    directions: tuple[ArrayLike, float] | None = None,
+    features: Sequence[str] | None = None,
+    margin: float = 1e-3,
+    seed: int = 0,
+) -> Path | None:
+    """One more touch of a hypothesis that is thought to be the truth, where no contact is assigned yet (6.2).
+
+    It surely touches, if the hypothesis is true; a miss or another reading refutes it. Of the lines that are tried, the one
+    that may be shifted farthest: `Path.margin` says how far.
+
+    Args:
+        hypothesis: The hypothesis.
+        sensor: As for `plan`.
+        workspace: As for `plan`.
+        directions: As for `plan`.
+        features: As for `plan`.
+        margin: As for `plan`.
+        seed: As for `plan`.
+
+    Returns:
+        The path; None if none of those that are tried surely touches.
+
+    Raises:
+        ValueError: Not a hypothesis, a number out of range.
+    """
+
+@final
+class PlanReport:
+    """A planner's answer, and what it knows of the paths that it did not find."""
+
+    @property
+    def path(self) -> Path | None:
+        """The best path found; None if none is needed or none can be used: `why` says which."""
+    @property
+    def bound(self) -> float:
+        """No usable path of margin m or more has a score below this. 1 if nothing was proved."""
+    @property
+    def proved(self) -> bool:
+        """Whether no usable path of margin m or more has a better score than `path`."""
+    @property
+    def why(
+        self,
+    ) -> Literal[
+        "solved",
+        "perfect",
+        "enough",
+        "best",
+        "inseparable",
+        "no_usable_path",
+        "time",
+        "effort",
+        "searched",
+    ]:
+        """Why the planner stopped.
+
+        `"solved"`: one hypothesis is left. `"perfect"`: the path separates all. `"enough"`: it is as good as `stop` asks
+        for. `"best"`: proved, no usable path of margin m or more has a better score. `"inseparable"`: proved, none is
+        certain to tell anything; `path` may still be expected to. `"no_usable_path"`: proved, none can be used. `"time"`,
+        `"effort"`: the search was cut short. `"searched"`: the planner has looked at all that it looks at.
+        """
+    @property
+    def num_judged(self) -> int:
+        """Lines that were judged."""
+    @property
+    def num_boxes(self) -> int:
+        """Boxes of lines that `"complete"` examined."""
+    @property
+    def counters(self) -> dict[str, int] | None:
+        """What the planner `"ellis"` did (3.5); None for another.
+
+        `unsensed` and `sensed` faces, `inner_products`, `generators`, `candidates`, `critical_points` and of them
+        `critical_kept`, `overlaps`, `paths`; and, by the thesis's formulas, `predicted_inner_products` and
+        `predicted_critical_points`.
+        """
+
+@final
+class Path:
+    """A straight guarded move of the tip, and what it would tell (3.3, 3.4).
+
+    Numbers are those of the hypotheses that were given, from 0. Immutable; equal if all numbers are equal.
+    """
+
+    @property
+    def start(self) -> NDArray[float64]:
+        """Where the centre of the tip begins, shape `(2,)`, world frame: clear of all that any hypothesis may occupy."""
+    @property
+    def direction(self) -> NDArray[float64]:
+        """Unit direction of travel, shape `(2,)`, world frame."""
+    @property
+    def length(self) -> float:
+        """How far to go: past the last possible contact. Who gets so far has missed."""
+    @property
+    def end(self) -> NDArray[float64]:
+        """`start + length * direction`, shape `(2,)`, world frame."""
+    @property
+    def margin(self) -> float:
+        """All that it separates stays separated, and it stays usable, when it is shifted by this; to an eighth of m."""
+    @property
+    def score(self) -> float:
+        """The mean over hypotheses k of how many are not separated from k, k included (3.4).
+
+        1: all are separated, whatever the reading. n, their number: nothing is certain.
+        """
+    @property
+    def expected_score(self) -> float:
+        """The mean, over poses sampled from the sets, of how many hypotheses their exact readings leave."""
+    @property
+    def guaranteed(self) -> bool:
+        """Whether it can be used and is certain to separate some pair; if not, it may still be expected to tell."""
+    @property
+    def members(self) -> list[int]:
+        """The hypotheses that it is about, in order: all that were given, or those of a node of an ambiguity tree."""
+    @property
+    def classes(self) -> list[list[int]]:
+        """Hypotheses joined by "not separated": the branches of the ambiguity tree."""
+    @property
+    def no_contact(self) -> list[int]:
+        """The hypotheses that a miss leaves."""
+    @property
+    def outcomes(self) -> list[Outcome]:
+        """What each of `members` can answer, in their order."""
+    @property
+    def fault(self) -> tuple[int, Literal["start", "skid", "untouchable", "kind", "assigned"]] | None:
+        """Why it can't be used, and because of which hypothesis; the first of `faults`. None: it can be used."""
+    @property
+    def faults(self) -> list[tuple[int, Literal["start", "skid", "untouchable", "kind", "assigned"]]]:
+        """For each hypothesis that makes it unusable, its number and why.
+
+        `"start"`: it does not start clear. `"skid"`: it may be touched first at more than the largest reliable incidence.
+        `"untouchable"`: on a face that can't be touched, or on the back of a loose one. `"kind"`: on a feature of a kind
+        that may not be touched. `"assigned"`: on a face that a contact is assigned to, which was to be avoided.
+        """
+    def outcome_of(self, contact: Contact | None) -> list[int]:
+        """The hypotheses that could have given a reading (3.4).
+
+        Args:
+            contact: What was touched, with the sensor's tip radius. Its own bounds don't matter, those of the sensor do.
+                None: nothing was touched all along the path.
+
+        Returns:
+            Numbers of hypotheses. Empty: the reading is unexpected; recognize again with it.
+
+        Raises:
+            ValueError: Something else than a contact, or one with another tip radius.
+        """
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+
+@final
+class Outcome:
+    """What one hypothesis can answer to a path, over all its poses."""
+
+    @property
+    def hypothesis(self) -> int:
+        """Its number."""
+    @property
+    def touches(self) -> list[Touch]:
+        """First contacts that the path may make with it, in order of features."""
+    @property
+    def may_miss(self) -> bool:
+        """Whether the path may pass it by."""
+    @property
+    def fault(self) -> Literal["start", "skid", "untouchable", "kind", "assigned"] | None:
+        """Why it makes the path unusable, as in `Path.faults`."""
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+
+@final
+class Touch:
+    """A first contact that a path may make with a hypothesis, somewhere among its poses."""
+
+    @property
+    def feature(self) -> tuple[Literal["face", "vertex"], int]:
+        """Kind and number of what is touched."""
+    @property
+    def depth(self) -> tuple[float, float]:
+        """Least and largest way of the tip's centre from the start of the path; the sensor's errors not included."""
+    @property
+    def normals(self) -> tuple[float, float]:
+        """Outward normals at the contact, from one angle counter-clockwise to the other; radians, world frame.
+
+        The second is not below the first, and may be above π.
+        """
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+
+@final
+class Lines:
+    """Hypotheses made ready for many lines, each numbered by its angle and its offset (3.1)."""
+
+    def __new__(
+        cls,
+        hypotheses: Sequence[Hypothesis],
+        sensor: Sensor,
+        *,
+        workspace: ArrayLike | None = None,
+        directions: tuple[ArrayLike, float] | None = None,
+        features: Sequence[str] | None = None,
+        avoid_assigned: bool = False,
+        margin: float = 1e-3,
+        seed: int = 0,
+    ) -> Lines:
+        """For lines through all that the hypotheses may occupy.
+
+        Args:
+            hypotheses: As for `plan`.
+            sensor: As for `plan`.
+            workspace: As for `plan`.
+            directions: As for `plan`.
+            features: As for `plan`.
+            avoid_assigned: As for `plan`.
+            margin: As for `plan`.
+            seed: As for `plan`.
+
+        Raises:
+            ValueError: As for `plan`.
+        """
+
+    @property
+    def middle(self) -> NDArray[float64]:
+        """The middle of a circle around all that any hypothesis may occupy, shape `(2,)`, world frame."""
+    @property
+    def radius(self) -> float:
+        """The radius of that circle."""
+    def scores(self, angles: ArrayLike, offsets: ArrayLike) -> NDArray[float64]:
+        """The scores of a grid of lines; NaN for a line that can't be used.
+
+        Args:
+            angles: Of the directions of travel, shape `(a,)`; radians, world frame.
+            offsets: How far each line passes to the left of the middle, shape `(b,)`.
+
+        Returns:
+            Scores as `Path.score`, shape `(a, b)`.
+
+        Raises:
+            ValueError: Another shape, or a number that is not finite.
+        """
+
+    def judge(self, angle: float, offset: float) -> Path | None:
+        """All that is to say of one line; None if `workspace` or `directions` don't allow it.
+
+        Args:
+            angle: Of the direction of travel; radians, world frame.
+            offset: How far the line passes to the left of the middle.
+
+        Raises:
+            ValueError: A number that is not finite.
+        """
+
+def plan_tree(
+    hypotheses: Sequence[Hypothesis],
+    sensor: Sensor,
+    *,
+    method: Literal["greedy", "ahead", "optimal"] = "greedy",
+    max_nodes: int | None = None,
+    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
+    stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
+    workspace: ArrayLike | None = None,
+    directions: tuple[ArrayLike, float] | None = None,
+    time_limit: float | None = None,
+    effort: int | None = None,
+    seed: int = 0,
+    features: Sequence[str] | None = None,
+    avoid_assigned: bool = False,
+    margin: float = 1e-3,
+    cells: int | None = None,
+    directions_tried: int | None = None,
+) -> AmbiguityTree:
+    """The ambiguity tree: the next path, whatever the last one met (3.4, 4.1).
+
+    Pose sets are not shrunk within the tree, as they are when one recognizes again after each touch: what it needs is an
+    upper bound on what the loop needs. The most ambiguous node comes first.
+
+    Args:
+        hypotheses: As for `plan`.
+        sensor: As for `plan`.
+        method: `"greedy"`: at each node the path whose branches are smallest in the mean. `"ahead"`: the path with which
+            the fewest touches are expected, if greedy ones follow it; for up to 128 hypotheses. `"optimal"`: of all trees
+            over the paths that were found, the one with the fewest expected touches; for up to 12. Above its number each
+            falls back on the one before; `AmbiguityTree.method` says what was done.
+        max_nodes: So many nodes get a path at most; the rest are left unexpanded. None: all.
+        planner: As for `plan`.
+        stop: As for `plan`.
+        workspace: As for `plan`.
+        directions: As for `plan`.
+        time_limit: Seconds, for the whole tree. Nodes that were not planned for by then are left unexpanded.
+        effort: As for `plan`, for each node.
+        seed: As for `plan`.
+        features: As for `plan`.
+        avoid_assigned: As for `plan`.
+        margin: As for `plan`.
+        cells: As for `plan`.
+        directions_tried: As for `plan`.
+
+    Returns:
+        The tree. Its numbers of hypotheses are their places in `hypotheses`, at every node.
+
+    Raises:
+        ValueError: As for `plan`, and an unknown method.
+    """
+
+@final
+class AmbiguityTree:
+    """Which path to take, whatever the paths before have met (3.4).
+
+    Its figures take all hypotheses as equally likely; a leaf of s hypotheses that no path divides counts s - 1 further
+    touches.
+    """
+
+    @property
+    def root(self) -> AmbiguityNode:
+        """All hypotheses, and the first path."""
+    @property
+    def nodes(self) -> list[AmbiguityNode]:
+        """All nodes, the root first."""
+    @property
+    def names(self) -> list[str]:
+        """The name of each hypothesis's model."""
+    @property
+    def method(self) -> Literal["greedy", "ahead", "optimal"]:
+        """How the paths were chosen."""
+    @property
+    def expected_touches(self) -> float:
+        """The mean over hypotheses of the touches until they are identified."""
+    @property
+    def worst_touches(self) -> int:
+        """The most touches until a hypothesis is identified."""
+    @property
+    def max_outcomes(self) -> int:
+        """b, at least 2: the most classes that a path has."""
+    @property
+    def entropy_bound(self) -> float:
+        """`log2 n / log2 b`: no tree whose paths have at most b classes has fewer expected touches."""
+    @property
+    def worst_bound(self) -> int:
+        """`log_b n`, rounded up: nor fewer touches in the worst case."""
+    @property
+    def lower_bound(self) -> float:
+        """No tree of usable paths of margin m or more has fewer expected touches, as far as the planner proved it."""
+    @property
+    def identified(self) -> list[int]:
+        """`identified[k]`: how many hypotheses are identified after k touches."""
+    @property
+    def solved(self) -> bool:
+        """Whether every leaf is a single hypothesis."""
+    def to_text(self) -> str:
+        """Drawn with one line for each branch, as in figure 3.9; `I1` is hypothesis 0, `S1` the first answer."""
+    def to_json(self, *, unit: str | None = None) -> str:
+        """As a JSON document of the schema `palpate-tree`, version 1. Numbers count from 0.
+
+        Args:
+            unit: The unit of the models, for the document to say.
+        """
+
+@final
+class AmbiguityNode:
+    """Hypotheses that are left after some touches, and how to go on."""
+
+    @property
+    def number(self) -> int:
+        """Its place in `AmbiguityTree.nodes`."""
+    @property
+    def members(self) -> list[int]:
+        """The hypotheses that are left."""
+    @property
+    def level(self) -> int:
+        """Touches before."""
+    @property
+    def path(self) -> Path | None:
+        """The next path; None at a leaf."""
+    @property
+    def branches(self) -> list[AmbiguityBranch]:
+        """The classes of the path, and the unexpected; empty at a leaf."""
+    @property
+    def status(
+        self,
+    ) -> Literal["solved", "divided", "inseparable", "no_usable_path", "effort", "unexpanded"]:
+        """What becomes of it.
+
+        `"solved"`: one hypothesis is left. `"divided"`: its path divides it. `"inseparable"`: proved, no usable path of
+        margin m or more does. `"no_usable_path"`: proved, there is none. `"effort"`: the search was cut short.
+        `"unexpanded"`: not planned for, by `max_nodes` or `time_limit`.
+        """
+
+@final
+class AmbiguityBranch:
+    """A class of a path, or the unexpected."""
+
+    @property
+    def answers(self) -> Literal["contact", "no_contact", "either", "unexpected"]:
+        """Which answers lead here: contacts, a miss, either, or what fits no hypothesis of the node."""
+    @property
+    def members(self) -> list[int]:
+        """The hypotheses that are left; empty for the unexpected."""
+    @property
+    def node(self) -> AmbiguityNode | None:
+        """Where it leads; None for the unexpected: recognize again with what was touched."""

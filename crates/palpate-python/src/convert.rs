@@ -113,6 +113,30 @@ pub(crate) fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<DVec2
     }
 }
 
+/// Numbers in a row, shape `(n,)`.
+pub(crate) fn numbers(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let array = array(argument, value, "(n,)")?;
+    match array.shape() {
+        [_] => Ok(array.iter().copied().collect()),
+        _ => Err(misshapen(argument, value, "(n,)", &array)),
+    }
+}
+
+/// Numbers of one shape, row by row.
+pub(crate) fn array_of(
+    argument: &str,
+    value: &Bound<'_, PyAny>,
+    shape: [usize; 2],
+    shown: &str,
+) -> PyResult<Vec<f64>> {
+    let array = array(argument, value, shown)?;
+    if array.shape() == shape {
+        Ok(array.iter().copied().collect())
+    } else {
+        Err(misshapen(argument, value, shown, &array))
+    }
+}
+
 /// A point that may be left out.
 pub(crate) fn optional_vector(argument: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<DVec2>> {
     value.map(|value| vector(argument, value)).transpose()

@@ -393,4 +393,434 @@ A chord, not a bound.
 Raises:
     ValueError: Another shape, or a number that is not finite."
     };
+    ("Sensor") => {
+        r"Bounds of the next reading (3.3).
+
+Immutable; equal if all numbers are equal; can be pickled.
+
+A sensor of points and, unless `normal_error` is None, of normals.
+
+Args:
+    position_error: The sensed centre of the tip is within this of the true one; a length, zero or more.
+    normal_error: The sensed normal is within this angle of the true one; radians, zero to π/2. None: it reads no
+        normal.
+    max_incidence: Ω, the skid angle: a touch is reliable if the way back is within this of the surface normal;
+        radians, between 0 and π/2.
+    tip_radius: Radius of the tip; zero or more.
+    path_error: How far the tip may leave its line; zero or more.
+
+Raises:
+    ValueError: A bound that is negative, out of its range or not finite."
+    };
+    ("Sensor.position_error") => {
+        r"Bound on the distance of the sensed centre from the true one."
+    };
+    ("Sensor.normal_error") => {
+        r"Bound on the angle of the sensed normal; radians. None: it reads no normal."
+    };
+    ("Sensor.max_incidence") => {
+        r"Ω, the largest reliable incidence; radians."
+    };
+    ("Sensor.tip_radius") => {
+        r"Radius of the tip."
+    };
+    ("Sensor.path_error") => {
+        r"How far the tip may leave its line."
+    };
+    ("plan") => {
+        r#"The straight guarded move that tells the hypotheses apart best (chapter 3).
+
+What a path tells is for one judge to say, whichever planner proposes it. Over all poses of all hypotheses, the path
+starts clear and is touched first only where a reading is reliable. The best has the smallest `score`; of those that
+are equal, the smallest `expected_score`, the largest `margin`, the shortest way. Same input, same path, unless
+`time_limit` cuts the search short. An interrupt (Ctrl-C) ends it.
+
+Args:
+    hypotheses: `found.hypotheses` of a recognition, or some of them. Lengths are in the unit of their models.
+    sensor: Bounds of the next reading.
+    planner: Where candidates come from. `"auto"`: evenly spaced directions, quick, and `"complete"` where these tell
+        nothing. `"complete"`: all lines; no usable path of margin m or more is better, or `PlanReport.bound` says how
+        much better at most. `"ellis"`: the thesis's search (3.1 to 3.3, 4.1). `"grimson"`, `"schneiter"`: 5.4.2, 5.4.3.
+    stop: When a path is good enough (3.4): `"perfect"`, all are separated; `("unique", k)`, it identifies k
+        hypotheses, whichever of them is true; `("share", f)`, this share of them, above 0 and at most 1.
+    workspace: Two opposite corners, shape `(2, 2)`, world frame: paths begin at the border of this rectangle. None:
+        just outside of all hypotheses.
+    directions: A direction of travel, shape `(2,)`, world frame, of any length, and an angle in radians, zero to π:
+        only directions within this angle of it are allowed. None: all.
+    time_limit: Seconds. The best path found by then is returned.
+    effort: Boxes of lines that `"complete"` may examine, lines that the thesis's planners may judge; 1 or more. None:
+        two million. A limit that gives the same answer everywhere.
+    seed: For the poses that are drawn from the sets.
+    features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
+    avoid_assigned: Never touch a face that a contact is assigned to (1.1).
+    margin: m, as a share of the largest part's size, 1e-6 to 0.1: paths are wanted that tell the same when they are
+        shifted by m.
+    cells: Grid of `"grimson"` (8 to 16384) and `"schneiter"` (8 to 2048). None: 256.
+    directions_tried: Directions that `"grimson"` tries, 1 to 7200. None: 72.
+
+Returns:
+    The path; None if one hypothesis is left, or if no path was found that can be used: `plan_report` says which.
+
+Raises:
+    ValueError: No hypotheses, something else among them, an unknown planner, a number out of range."#
+    };
+    ("plan_report") => {
+        r"The path of `plan`, and what is known of the paths that were not found.
+
+Args:
+    hypotheses: As for `plan`.
+    sensor: As for `plan`.
+    planner: As for `plan`.
+    stop: As for `plan`.
+    workspace: As for `plan`.
+    directions: As for `plan`.
+    time_limit: As for `plan`.
+    effort: As for `plan`.
+    seed: As for `plan`.
+    features: As for `plan`.
+    avoid_assigned: As for `plan`.
+    margin: As for `plan`.
+    cells: As for `plan`.
+    directions_tried: As for `plan`.
+
+Raises:
+    ValueError: As for `plan`."
+    };
+    ("judge") => {
+        r"What a line of your own would tell, and whether it can be used (3.3).
+
+Args:
+    hypotheses: As for `plan`.
+    sensor: Bounds of the next reading.
+    start: Where the centre of the tip begins, shape `(2,)`, world frame.
+    direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
+    length: How far to go, above zero. None: past the last possible contact.
+    features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
+    avoid_assigned: Whether a face that a contact is assigned to must not be touched first.
+    margin: m, as a share of the largest part's size; `Path.margin` is told in eighths of it.
+    seed: For the poses over which the expected score is taken.
+
+Returns:
+    The path. If it can't be used, `faults` says why.
+
+Raises:
+    ValueError: No hypotheses, another shape, a zero direction, a length that is not above zero, a number out of range."
+    };
+    ("verification_path") => {
+        r"One more touch of a hypothesis that is thought to be the truth, where no contact is assigned yet (6.2).
+
+It surely touches, if the hypothesis is true; a miss or another reading refutes it. Of the lines that are tried, the one
+that may be shifted farthest: `Path.margin` says how far.
+
+Args:
+    hypothesis: The hypothesis.
+    sensor: As for `plan`.
+    workspace: As for `plan`.
+    directions: As for `plan`.
+    features: As for `plan`.
+    margin: As for `plan`.
+    seed: As for `plan`.
+
+Returns:
+    The path; None if none of those that are tried surely touches.
+
+Raises:
+    ValueError: Not a hypothesis, a number out of range."
+    };
+    ("PlanReport") => {
+        r"A planner's answer, and what it knows of the paths that it did not find."
+    };
+    ("PlanReport.path") => {
+        r"The best path found; None if none is needed or none can be used: `why` says which."
+    };
+    ("PlanReport.bound") => {
+        r"No usable path of margin m or more has a score below this. 1 if nothing was proved."
+    };
+    ("PlanReport.proved") => {
+        r"Whether no usable path of margin m or more has a better score than `path`."
+    };
+    ("PlanReport.why") => {
+        r#"Why the planner stopped.
+
+`"solved"`: one hypothesis is left. `"perfect"`: the path separates all. `"enough"`: it is as good as `stop` asks
+for. `"best"`: proved, no usable path of margin m or more has a better score. `"inseparable"`: proved, none is
+certain to tell anything; `path` may still be expected to. `"no_usable_path"`: proved, none can be used. `"time"`,
+`"effort"`: the search was cut short. `"searched"`: the planner has looked at all that it looks at."#
+    };
+    ("PlanReport.num_judged") => {
+        r"Lines that were judged."
+    };
+    ("PlanReport.num_boxes") => {
+        r#"Boxes of lines that `"complete"` examined."#
+    };
+    ("PlanReport.counters") => {
+        r#"What the planner `"ellis"` did (3.5); None for another.
+
+`unsensed` and `sensed` faces, `inner_products`, `generators`, `candidates`, `critical_points` and of them
+`critical_kept`, `overlaps`, `paths`; and, by the thesis's formulas, `predicted_inner_products` and
+`predicted_critical_points`."#
+    };
+    ("Path") => {
+        r"A straight guarded move of the tip, and what it would tell (3.3, 3.4).
+
+Numbers are those of the hypotheses that were given, from 0. Immutable; equal if all numbers are equal."
+    };
+    ("Path.start") => {
+        r"Where the centre of the tip begins, shape `(2,)`, world frame: clear of all that any hypothesis may occupy."
+    };
+    ("Path.direction") => {
+        r"Unit direction of travel, shape `(2,)`, world frame."
+    };
+    ("Path.length") => {
+        r"How far to go: past the last possible contact. Who gets so far has missed."
+    };
+    ("Path.end") => {
+        r"`start + length * direction`, shape `(2,)`, world frame."
+    };
+    ("Path.margin") => {
+        r"All that it separates stays separated, and it stays usable, when it is shifted by this; to an eighth of m."
+    };
+    ("Path.score") => {
+        r"The mean over hypotheses k of how many are not separated from k, k included (3.4).
+
+1: all are separated, whatever the reading. n, their number: nothing is certain."
+    };
+    ("Path.expected_score") => {
+        r"The mean, over poses sampled from the sets, of how many hypotheses their exact readings leave."
+    };
+    ("Path.guaranteed") => {
+        r"Whether it can be used and is certain to separate some pair; if not, it may still be expected to tell."
+    };
+    ("Path.members") => {
+        r"The hypotheses that it is about, in order: all that were given, or those of a node of an ambiguity tree."
+    };
+    ("Path.classes") => {
+        r#"Hypotheses joined by "not separated": the branches of the ambiguity tree."#
+    };
+    ("Path.no_contact") => {
+        r"The hypotheses that a miss leaves."
+    };
+    ("Path.outcomes") => {
+        r"What each of `members` can answer, in their order."
+    };
+    ("Path.fault") => {
+        r"Why it can't be used, and because of which hypothesis; the first of `faults`. None: it can be used."
+    };
+    ("Path.faults") => {
+        r#"For each hypothesis that makes it unusable, its number and why.
+
+`"start"`: it does not start clear. `"skid"`: it may be touched first at more than the largest reliable incidence.
+`"untouchable"`: on a face that can't be touched, or on the back of a loose one. `"kind"`: on a feature of a kind
+that may not be touched. `"assigned"`: on a face that a contact is assigned to, which was to be avoided."#
+    };
+    ("Path.outcome_of") => {
+        r"The hypotheses that could have given a reading (3.4).
+
+Args:
+    contact: What was touched, with the sensor's tip radius. Its own bounds don't matter, those of the sensor do.
+        None: nothing was touched all along the path.
+
+Returns:
+    Numbers of hypotheses. Empty: the reading is unexpected; recognize again with it.
+
+Raises:
+    ValueError: Something else than a contact, or one with another tip radius."
+    };
+    ("Outcome") => {
+        r"What one hypothesis can answer to a path, over all its poses."
+    };
+    ("Outcome.hypothesis") => {
+        r"Its number."
+    };
+    ("Outcome.touches") => {
+        r"First contacts that the path may make with it, in order of features."
+    };
+    ("Outcome.may_miss") => {
+        r"Whether the path may pass it by."
+    };
+    ("Outcome.fault") => {
+        r"Why it makes the path unusable, as in `Path.faults`."
+    };
+    ("Touch") => {
+        r"A first contact that a path may make with a hypothesis, somewhere among its poses."
+    };
+    ("Touch.feature") => {
+        r"Kind and number of what is touched."
+    };
+    ("Touch.depth") => {
+        r"Least and largest way of the tip's centre from the start of the path; the sensor's errors not included."
+    };
+    ("Touch.normals") => {
+        r"Outward normals at the contact, from one angle counter-clockwise to the other; radians, world frame.
+
+The second is not below the first, and may be above π."
+    };
+    ("Lines") => {
+        r"Hypotheses made ready for many lines, each numbered by its angle and its offset (3.1).
+
+For lines through all that the hypotheses may occupy.
+
+Args:
+    hypotheses: As for `plan`.
+    sensor: As for `plan`.
+    workspace: As for `plan`.
+    directions: As for `plan`.
+    features: As for `plan`.
+    avoid_assigned: As for `plan`.
+    margin: As for `plan`.
+    seed: As for `plan`.
+
+Raises:
+    ValueError: As for `plan`."
+    };
+    ("Lines.middle") => {
+        r"The middle of a circle around all that any hypothesis may occupy, shape `(2,)`, world frame."
+    };
+    ("Lines.radius") => {
+        r"The radius of that circle."
+    };
+    ("Lines.scores") => {
+        r"The scores of a grid of lines; NaN for a line that can't be used.
+
+Args:
+    angles: Of the directions of travel, shape `(a,)`; radians, world frame.
+    offsets: How far each line passes to the left of the middle, shape `(b,)`.
+
+Returns:
+    Scores as `Path.score`, shape `(a, b)`.
+
+Raises:
+    ValueError: Another shape, or a number that is not finite."
+    };
+    ("Lines.judge") => {
+        r"All that is to say of one line; None if `workspace` or `directions` don't allow it.
+
+Args:
+    angle: Of the direction of travel; radians, world frame.
+    offset: How far the line passes to the left of the middle.
+
+Raises:
+    ValueError: A number that is not finite."
+    };
+    ("plan_tree") => {
+        r#"The ambiguity tree: the next path, whatever the last one met (3.4, 4.1).
+
+Pose sets are not shrunk within the tree, as they are when one recognizes again after each touch: what it needs is an
+upper bound on what the loop needs. The most ambiguous node comes first.
+
+Args:
+    hypotheses: As for `plan`.
+    sensor: As for `plan`.
+    method: `"greedy"`: at each node the path whose branches are smallest in the mean. `"ahead"`: the path with which
+        the fewest touches are expected, if greedy ones follow it; for up to 128 hypotheses. `"optimal"`: of all trees
+        over the paths that were found, the one with the fewest expected touches; for up to 12. Above its number each
+        falls back on the one before; `AmbiguityTree.method` says what was done.
+    max_nodes: So many nodes get a path at most; the rest are left unexpanded. None: all.
+    planner: As for `plan`.
+    stop: As for `plan`.
+    workspace: As for `plan`.
+    directions: As for `plan`.
+    time_limit: Seconds, for the whole tree. Nodes that were not planned for by then are left unexpanded.
+    effort: As for `plan`, for each node.
+    seed: As for `plan`.
+    features: As for `plan`.
+    avoid_assigned: As for `plan`.
+    margin: As for `plan`.
+    cells: As for `plan`.
+    directions_tried: As for `plan`.
+
+Returns:
+    The tree. Its numbers of hypotheses are their places in `hypotheses`, at every node.
+
+Raises:
+    ValueError: As for `plan`, and an unknown method."#
+    };
+    ("AmbiguityTree") => {
+        r"Which path to take, whatever the paths before have met (3.4).
+
+Its figures take all hypotheses as equally likely; a leaf of s hypotheses that no path divides counts s - 1 further
+touches."
+    };
+    ("AmbiguityTree.root") => {
+        r"All hypotheses, and the first path."
+    };
+    ("AmbiguityTree.nodes") => {
+        r"All nodes, the root first."
+    };
+    ("AmbiguityTree.names") => {
+        r"The name of each hypothesis's model."
+    };
+    ("AmbiguityTree.method") => {
+        r"How the paths were chosen."
+    };
+    ("AmbiguityTree.expected_touches") => {
+        r"The mean over hypotheses of the touches until they are identified."
+    };
+    ("AmbiguityTree.worst_touches") => {
+        r"The most touches until a hypothesis is identified."
+    };
+    ("AmbiguityTree.max_outcomes") => {
+        r"b, at least 2: the most classes that a path has."
+    };
+    ("AmbiguityTree.entropy_bound") => {
+        r"`log2 n / log2 b`: no tree whose paths have at most b classes has fewer expected touches."
+    };
+    ("AmbiguityTree.worst_bound") => {
+        r"`log_b n`, rounded up: nor fewer touches in the worst case."
+    };
+    ("AmbiguityTree.lower_bound") => {
+        r"No tree of usable paths of margin m or more has fewer expected touches, as far as the planner proved it."
+    };
+    ("AmbiguityTree.identified") => {
+        r"`identified[k]`: how many hypotheses are identified after k touches."
+    };
+    ("AmbiguityTree.solved") => {
+        r"Whether every leaf is a single hypothesis."
+    };
+    ("AmbiguityTree.to_text") => {
+        r"Drawn with one line for each branch, as in figure 3.9; `I1` is hypothesis 0, `S1` the first answer."
+    };
+    ("AmbiguityTree.to_json") => {
+        r"As a JSON document of the schema `palpate-tree`, version 1. Numbers count from 0.
+
+Args:
+    unit: The unit of the models, for the document to say."
+    };
+    ("AmbiguityNode") => {
+        r"Hypotheses that are left after some touches, and how to go on."
+    };
+    ("AmbiguityNode.number") => {
+        r"Its place in `AmbiguityTree.nodes`."
+    };
+    ("AmbiguityNode.members") => {
+        r"The hypotheses that are left."
+    };
+    ("AmbiguityNode.level") => {
+        r"Touches before."
+    };
+    ("AmbiguityNode.path") => {
+        r"The next path; None at a leaf."
+    };
+    ("AmbiguityNode.branches") => {
+        r"The classes of the path, and the unexpected; empty at a leaf."
+    };
+    ("AmbiguityNode.status") => {
+        r#"What becomes of it.
+
+`"solved"`: one hypothesis is left. `"divided"`: its path divides it. `"inseparable"`: proved, no usable path of
+margin m or more does. `"no_usable_path"`: proved, there is none. `"effort"`: the search was cut short.
+`"unexpanded"`: not planned for, by `max_nodes` or `time_limit`."#
+    };
+    ("AmbiguityBranch") => {
+        r"A class of a path, or the unexpected."
+    };
+    ("AmbiguityBranch.answers") => {
+        r"Which answers lead here: contacts, a miss, either, or what fits no hypothesis of the node."
+    };
+    ("AmbiguityBranch.members") => {
+        r"The hypotheses that are left; empty for the unexpected."
+    };
+    ("AmbiguityBranch.node") => {
+        r"Where it leads; None for the unexpected: recognize again with what was touched."
+    };
 }

@@ -11,9 +11,15 @@ mod evidence;
 mod hypothesis;
 mod interpretations;
 mod interrupt;
+mod lines;
 mod model;
+mod options;
+mod path;
+mod plan;
 mod recognize;
+mod sensor;
 mod thesis;
+mod tree;
 
 use pyo3::prelude::*;
 
@@ -29,11 +35,21 @@ mod _core {
     #[pymodule_export]
     use crate::interpretations::PyInterpretations;
     #[pymodule_export]
+    use crate::lines::PyLines;
+    #[pymodule_export]
     use crate::model::PyModel;
+    #[pymodule_export]
+    use crate::path::{PyOutcome, PyPath, PyTouch};
+    #[pymodule_export]
+    use crate::plan::{PyPlanReport, judge, plan, plan_report, verification_path};
     #[pymodule_export]
     use crate::recognize::{PyRecognition, recognize};
     #[pymodule_export]
+    use crate::sensor::PySensor;
+    #[pymodule_export]
     use crate::thesis::PyThesisPose;
+    #[pymodule_export]
+    use crate::tree::{PyBranch, PyNode, PyTree, plan_tree};
 
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "Python's name for it")]

@@ -87,7 +87,7 @@ fn settings(
 }
 
 /// Names of kinds of features.
-fn kinds(features: &Any<'_>) -> PyResult<Vec<String>> {
+pub(crate) fn kinds(features: &Any<'_>) -> PyResult<Vec<String>> {
     const REMEDY: &str = "give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")";
     let given = members("features", features, "names", REMEDY)?;
     let kinds: Vec<String> = given
@@ -113,7 +113,7 @@ fn one_prior(prior: &Any<'_>) -> PyResult<palpate::Prior> {
 }
 
 /// The members of a sequence, all of one class.
-fn all<'py, T: PyClass>(
+pub(crate) fn all<'py, T: PyClass>(
     argument: &str,
     value: &Any<'py>,
     class: &str,

@@ -16,15 +16,18 @@ pub mod plane;
 pub mod recognize;
 pub mod sensor;
 pub mod tree;
+pub mod why;
 
 pub use ambiguity::{
-    AmbiguityTree, Answers, Branch, Node, Status, TreeMethod, TreeSettings, plan_tree, verification_path,
+    AmbiguityTree, Answers, Branch, Node, Status, TreeMethod, TreeSettings, plan_tree, plan_tree_until,
+    verification_path,
 };
 pub use contact::{Contact, Evidence, Miss, Normal, Prior};
 pub use error::Error;
 pub use feature::Feature;
 pub use hypothesis::{Count, Hypothesis, Interpretation};
 pub use judge::{Fault, Outcome, Reading, Touch, Verdict};
-pub use plan::{EllisCounters, Path, Plan, PlanSettings, Planner, Stop, judge, plan};
+pub use plan::{EllisCounters, Path, Plan, PlanSettings, Planner, Prepared, Stop, judge, plan, plan_until};
 pub use recognize::{ModelReport, Recognition, Settings, recognize, recognize_until};
 pub use sensor::Sensor;
+pub use why::Why;

@@ -1,6 +1,7 @@
 //! Planning: the path that tells the hypotheses apart best (thesis, chapter 3).
 
 use std::cmp::Ordering;
+use std::f64::consts::PI;
 
 use glam::DVec2;
 
@@ -56,7 +57,7 @@ impl Planner {
         match self {
             Self::Grimson { cells, directions } => {
                 within("cells", cells, [8, 16384])?;
-                within("directions", directions, [1, 7200])
+                within("directions_tried", directions, [1, 7200])
             }
             Self::Schneiter { cells } => within("cells", cells, [8, 2048]),
             Self::Auto | Self::Complete | Self::Ellis => Ok(()),
@@ -170,7 +171,7 @@ impl Path {
     }
 
     /// Whether it is good enough to stop, and keeps what it tells under shifts by m.
-    fn enough(&self, stop: Stop, m: f64) -> bool {
+    pub(crate) fn enough(&self, stop: Stop, m: f64) -> bool {
         let n = self.outcomes.len();
         let tells = match stop {
             Stop::Perfect => self.score <= 1.0,
@@ -218,15 +219,28 @@ pub struct Plan {
 /// # Errors
 /// No hypotheses, or a setting out of range.
 pub fn plan(hypotheses: &[Hypothesis], sensor: &Sensor, settings: &PlanSettings) -> Result<Plan, Error> {
+    plan_until(hypotheses, sensor, settings, &|| false)
+}
+
+/// The best path found before `late` says that time is up.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_until(
+    hypotheses: &[Hypothesis],
+    sensor: &Sensor,
+    settings: &PlanSettings,
+    late: &dyn Fn() -> bool,
+) -> Result<Plan, Error> {
     check(hypotheses, settings)?;
     let scene = Scene::new(hypotheses, sensor, settings);
-    Ok(plan_among(&scene, &scene.everyone(), settings, &|| false))
+    Ok(plan_among(&scene, &scene.everyone(), settings, late))
 }
 
 /// What a line of your own would tell, and whether it can be used. `length`: as long as needed, if not given.
 ///
 /// # Errors
-/// No hypotheses, a direction of no length, numbers that are not finite.
+/// No hypotheses, a direction of no length, a length that is not above zero, numbers that are not finite.
 pub fn judge(
     hypotheses: &[Hypothesis],
     sensor: &Sensor,
@@ -243,6 +257,10 @@ pub fn judge(
             "give a direction, of any length",
         ));
     };
+    if let Some(length) = length.filter(|length| !(length.is_finite() && *length > 0.0)) {
+        let remedy = "leave it out to go past the last possible contact";
+        return Err(Error::new("length", "must be above zero and finite", length, remedy));
+    }
     let scene = Scene::new(hypotheses, sensor, settings);
     let line = Line { direction, ..line };
     Ok(judged(&scene, &scene.everyone(), &line, length))
@@ -435,6 +453,16 @@ pub(crate) fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Resul
             "give [[x0, y0], [x1, y1]]",
         ));
     }
+    if let Some((axis, half)) = settings.directions {
+        if axis.try_normalize().is_none() {
+            let remedy = "give ((dx, dy), half_angle), of any length but zero";
+            return Err(Error::new("directions", "must not point nowhere", axis, remedy));
+        }
+        if !(0.0..=PI).contains(&half) {
+            let remedy = "give radians; π allows all directions";
+            return Err(Error::new("directions", "the half angle must be from 0 to π", half, remedy));
+        }
+    }
     if let Stop::Share(share) = settings.stop
         && !(share > 0.0 && share <= 1.0)
     {
@@ -471,6 +499,12 @@ impl Prepared {
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.scene.radius
+    }
+
+    /// The middle of that circle.
+    #[must_use]
+    pub fn middle(&self) -> DVec2 {
+        self.scene.middle
     }
 
     /// The line of a direction that passes `aside` to the left of the middle of that circle; `None` if it is not allowed.

@@ -11,6 +11,7 @@ import palpate
 from palpate.cli.console import PROGRAM
 from palpate.cli.demo import demo
 from palpate.cli.models import models
+from palpate.cli.plan import plan
 from palpate.cli.recognize import recognize
 
 
@@ -35,7 +36,8 @@ class _Group(_HelpIsAFlag, TyperGroup):
 app = typer.Typer(
     name=PROGRAM,
     cls=_Group,
-    help="Recognize and localize a known part by touch: every part and pose that explains a few contacts.",
+    help="Recognize and localize a known part by touch: every part and pose that explains a few contacts, "
+    "and the next touch.",
     epilog="Example: palpate demo",
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -46,6 +48,9 @@ app.command(cls=_Command, epilog="Example: palpate demo --part boot --seed 3 --p
 app.command(
     cls=_Command, epilog="Example: palpate recognize boot parts/ --contacts touches.csv --plot found.svg"
 )(recognize)
+app.command(cls=_Command, epilog="Example: palpate plan boot camera --contacts touches.csv --plot next.svg")(
+    plan
+)
 app.command(cls=_Command, epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
 
 

@@ -58,7 +58,7 @@ def recognize(
         path_error=path_error,
     )
     prior = (
-        _prior(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg) or evidence.prior
+        prior_of(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg) or evidence.prior
     )
     limit = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
     kinds = None if features is None else tuple(features.split(","))
@@ -70,7 +70,7 @@ def recognize(
             saying="recognizing",
         )
     except ValueError as error:
-        raise ValueError(_with_place(str(error), evidence, file=contacts)) from None
+        raise ValueError(with_place(str(error), evidence, file=contacts)) from None
     console = results()
     if json:
         print_document(
@@ -103,7 +103,7 @@ def recognize(
             console.print(f"picture: {plot}", markup=False)
 
 
-def _with_place(message: str, evidence: Evidence, *, file: Path) -> str:
+def with_place(message: str, evidence: Evidence, *, file: Path) -> str:
     """A complaint of `contacts[3]`, as one of the place in the file where that contact stands."""
     about = re.match(r"contacts\[(\d+)\]", message)
     if about is None:
@@ -142,7 +142,7 @@ def _draw(
     save_figure(figure, path)
 
 
-def _prior(pose: str | None, *, translation: float | None, rotation_deg: float | None) -> Prior | None:
+def prior_of(pose: str | None, *, translation: float | None, rotation_deg: float | None) -> Prior | None:
     """The prior of the flags, None if there is none of them."""
     if pose is None:
         for flag, value in (("--prior-translation", translation), ("--prior-rotation-deg", rotation_deg)):

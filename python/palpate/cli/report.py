@@ -166,8 +166,8 @@ def _hypothesis_table(hypotheses: Sequence[Hypothesis], labels: Sequence[str]) -
             str(number),
             escape(labels[hypothesis.model_number]) + (" *" if hypothesis.marginal else ""),
             _at_least_number(hypothesis.interpretation_count, hypothesis.interpretation_count_exact),
-            _decimal(x, size),
-            _decimal(y, size),
+            decimal(x, size),
+            decimal(y, size),
             f"{angle_deg:.2f}",
             _bound(math.degrees(hypothesis.poses.rotation_bound)),
             _bound(excursion_bound(hypothesis)),
@@ -193,9 +193,9 @@ def _face_table(model: Model, *, unit: str) -> Table:
     for index, (start, end) in enumerate(model.faces[:MOST_ROWS]):
         table.add_row(
             str(index),
-            f"{_decimal(start[0], model.size)}, {_decimal(start[1], model.size)}",
-            f"{_decimal(end[0], model.size)}, {_decimal(end[1], model.size)}",
-            _decimal(math.hypot(*(end - start)), model.size),
+            f"{decimal(start[0], model.size)}, {decimal(start[1], model.size)}",
+            f"{decimal(end[0], model.size)}, {decimal(end[1], model.size)}",
+            decimal(math.hypot(*(end - start)), model.size),
             f"{_direction_deg(model.face_normals[index]):.1f}",
             model.face_surfaces[index],
         )
@@ -244,7 +244,7 @@ def _truncated(number: int) -> str:
     return digits if len(digits) <= 7 else f"{digits[0]}.{digits[1]}e{len(digits) - 1}"
 
 
-def _decimal(value: float, size: float) -> str:
+def decimal(value: float, size: float) -> str:
     """To three decimals, or as many more as a part of `size` needs."""
     decimals = 3 if size >= 1.0 or size <= 0.0 else 3 - math.floor(math.log10(size))
     if decimals > 12:

@@ -1,10 +1,21 @@
-"""Pictures in the manner of the thesis: parts, superposed hypotheses, and the range of poses of one of them.
+"""Pictures in the manner of the thesis: parts, superposed hypotheses, pose ranges, paths, ambiguity trees.
 
 Each function returns a matplotlib `Figure` that belongs to no window; `save_figure` writes it as SVG, PNG or
 PDF, by the suffix, and the same figure gives the same file every time.
 """
 
+from palpate.plots.ambiguity import plot_ambiguity_tree
+from palpate.plots.lines import plot_lines
+from palpate.plots.paths import plot_path
 from palpate.plots.pictures import plot_models, plot_pose_range, plot_recognition
 from palpate.plots.style import save_figure
 
-__all__ = ["plot_models", "plot_pose_range", "plot_recognition", "save_figure"]
+__all__ = [
+    "plot_ambiguity_tree",
+    "plot_lines",
+    "plot_models",
+    "plot_path",
+    "plot_pose_range",
+    "plot_recognition",
+    "save_figure",
+]

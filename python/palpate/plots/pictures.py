@@ -51,13 +51,13 @@ def plot_recognition(
     drawn = list(found.hypotheses[:MOST_DRAWN])
     parts = list(dict.fromkeys(hypothesis.model_number for hypothesis in found.hypotheses))
     corners = [placed(h.world_from_model, h.model.vertices) for h in drawn]
-    spike = _spike_for(corners, contacts)
+    spike = spike_for(corners, contacts)
     low, high = frame_of(np.vstack([*corners, *evidence_points(contacts, misses, spike=spike)]))
     with mpl.rc_context(RC):
         figure = new_figure(shape_of(low, high))
         axes = figure.add_subplot()
         fill = 0.16 / max(1.0, len(drawn) / 4)
-        numbers_at = _number_places(corners, [np.asarray(contact.center) for contact in contacts])
+        numbers_at = number_places(corners, [np.asarray(contact.center) for contact in contacts])
         for number, hypothesis in enumerate(drawn, start=1):
             color, dash = part_style(parts.index(hypothesis.model_number))
             pose = hypothesis.world_from_model
@@ -94,7 +94,7 @@ def plot_pose_range(
     samples = poses.sample(num_samples, seed=seed)
     ranges = [np.asarray(poses.outline(vertex)) for vertex in model.vertices]
     corners = [placed(pose, model.vertices) for pose in [*samples, hypothesis.world_from_model]]
-    spike = _spike_for(corners[-1:], contacts)
+    spike = spike_for(corners[-1:], contacts)
     low, high = frame_of(np.vstack([*corners, *ranges, *evidence_points(contacts, misses, spike=spike)]))
     color, _ = part_style(0)
     with mpl.rc_context(RC):
@@ -224,7 +224,7 @@ def _distances(point: Array, starts: Array, ends: Array) -> Array:
     return np.hypot(*(point - nearest).T)
 
 
-def _spike_for(corners: Sequence[Array], contacts: Sequence[Contact]) -> float:
+def spike_for(corners: Sequence[Array], contacts: Sequence[Contact]) -> float:
     """How long normals are drawn: a twelfth of the picture."""
     points = np.vstack([*corners, *([c.center] for c in contacts)])
     return max(
@@ -234,7 +234,7 @@ def _spike_for(corners: Sequence[Array], contacts: Sequence[Contact]) -> float:
     )
 
 
-def _number_places(corners: Sequence[Array], centers: Sequence[Array]) -> list[Array]:
+def number_places(corners: Sequence[Array], centers: Sequence[Array]) -> list[Array]:
     """Where each hypothesis gets its number: just inside a corner, far from contacts and other numbers."""
     if not corners:
         return []

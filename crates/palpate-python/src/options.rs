@@ -1,0 +1,212 @@
+//! Keyword arguments that planning functions share. What is given stands in the place of the core's defaults.
+
+use std::time::{Duration, Instant};
+
+use glam::dvec2;
+use palpate::recognize::Halt;
+use palpate::{PlanSettings, Planner, Stop, TreeMethod, TreeSettings};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyBoolMethods, PyDict};
+
+use crate::convert::{array_of, members, number, refuse, text, vector, whole};
+use crate::recognize::kinds;
+
+type Any<'py> = Bound<'py, PyAny>;
+
+/// What the judge must know.
+pub(crate) const JUDGED: &[&str] = &["features", "avoid_assigned", "margin", "seed"];
+/// Where paths may run.
+pub(crate) const PLACED: &[&str] = &["workspace", "directions"];
+/// How a planner searches.
+pub(crate) const SEARCHED: &[&str] =
+    &["planner", "stop", "time_limit", "effort", "cells", "directions_tried"];
+/// How a tree is built.
+pub(crate) const GROWN: &[&str] = &["method", "max_nodes"];
+
+/// A year: longer than any search, and no sum of it with a time overflows.
+const LONGEST: f64 = 3.2e7;
+
+/// Settings of the core, and what is not its business.
+#[derive(Default)]
+pub(crate) struct Options {
+    pub settings: PlanSettings,
+    pub tree: TreeSettings,
+    pub time_limit: Option<Duration>,
+    cells: Option<usize>,
+    directions_tried: Option<usize>,
+}
+
+impl Options {
+    /// Those of a call of `function`, which takes the names in `known`.
+    pub fn read(function: &str, given: Option<&Bound<'_, PyDict>>, known: &[&[&str]]) -> PyResult<Self> {
+        let mut options = Self::default();
+        for (name, value) in given.into_iter().flatten() {
+            let name: String = name.extract()?;
+            if !known.iter().any(|names| names.contains(&name.as_str())) {
+                let message = format!("{function}() got an unexpected keyword argument '{name}'");
+                return Err(PyTypeError::new_err(message));
+            }
+            options.set(&name, &value)?;
+        }
+        options.set_grid()?;
+        Ok(options)
+    }
+
+    fn set(&mut self, name: &str, value: &Any<'_>) -> PyResult<()> {
+        const OPTIONAL: [&str; 8] = [
+            "features",
+            "workspace",
+            "directions",
+            "time_limit",
+            "effort",
+            "cells",
+            "directions_tried",
+            "max_nodes",
+        ];
+        if value.is_none() && OPTIONAL.contains(&name) {
+            return Ok(());
+        }
+        let settings = &mut self.settings;
+        match name {
+            "planner" => settings.planner = planner(value)?,
+            "stop" => settings.stop = stop(value)?,
+            "workspace" => settings.workspace = Some(workspace(value)?),
+            "directions" => settings.directions = Some(directions(value)?),
+            "time_limit" => self.time_limit = Some(time_limit(value)?),
+            "effort" => settings.effort = whole(name, value, 1)?,
+            "seed" => settings.seed = whole(name, value, 0)?,
+            "margin" => settings.margin = number(name, value)?,
+            "avoid_assigned" => settings.avoid_assigned = truth(name, value)?,
+            "cells" => self.cells = Some(whole(name, value, 1)? as usize),
+            "directions_tried" => self.directions_tried = Some(whole(name, value, 1)? as usize),
+            "method" => self.tree.method = method(value)?,
+            "max_nodes" => self.tree.max_nodes = whole(name, value, 0)? as usize,
+            _ => {
+                let kinds = kinds(value)?;
+                if kinds.is_empty() {
+                    return Err(refuse(
+                        "features",
+                        "must not be empty",
+                        value,
+                        "give \"face\", \"vertex\" or both",
+                    ));
+                }
+                settings.faces = kinds.iter().any(|kind| kind == "face");
+                settings.vertices = Some(kinds.iter().any(|kind| kind == "vertex"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the grid into the planner that has one.
+    fn set_grid(&mut self) -> PyResult<()> {
+        let mut rest = [("cells", self.cells), ("directions_tried", self.directions_tried)];
+        match &mut self.settings.planner {
+            Planner::Grimson { cells, directions } => {
+                *cells = rest[0].1.take().unwrap_or(*cells);
+                *directions = rest[1].1.take().unwrap_or(*directions);
+            }
+            Planner::Schneiter { cells } => *cells = rest[0].1.take().unwrap_or(*cells),
+            Planner::Auto | Planner::Complete | Planner::Ellis => {}
+        }
+        match rest.into_iter().find_map(|(name, value)| Some((name, value?))) {
+            Some((name, value)) => {
+                let problem = "the planner has no such grid";
+                let remedy = "leave it out, or plan with \"grimson\" or, for cells, \"schneiter\"";
+                Err(crate::convert::raise(palpate::Error::new(name, problem, value, remedy)))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// When the search, which begins now, must end.
+    pub fn deadline(&self) -> Deadline {
+        #[expect(clippy::disallowed_methods, reason = "the caller's time limit")]
+        Deadline(self.time_limit.map(|limit| Instant::now() + limit))
+    }
+}
+
+/// When a search must end, if at all.
+#[derive(Clone, Copy)]
+pub(crate) struct Deadline(Option<Instant>);
+
+impl Deadline {
+    pub fn passed(self) -> bool {
+        #[expect(clippy::disallowed_methods, reason = "the caller's time limit")]
+        self.0.is_some_and(|end| Instant::now() >= end)
+    }
+
+    /// Passed, or halted from outside.
+    pub fn late(self, halt: &Halt) -> bool {
+        halt.load(std::sync::atomic::Ordering::Relaxed) || self.passed()
+    }
+}
+
+fn planner(value: &Any<'_>) -> PyResult<Planner> {
+    const REMEDY: &str = "give \"auto\", \"complete\", \"ellis\", \"grimson\" or \"schneiter\"";
+    match text("planner", value)?.as_str() {
+        "auto" => Ok(Planner::Auto),
+        "complete" => Ok(Planner::Complete),
+        "ellis" => Ok(Planner::Ellis),
+        "grimson" => Ok(Planner::GRIMSON),
+        "schneiter" => Ok(Planner::SCHNEITER),
+        _ => Err(refuse("planner", "unknown planner", value, REMEDY)),
+    }
+}
+
+fn method(value: &Any<'_>) -> PyResult<TreeMethod> {
+    match text("method", value)?.as_str() {
+        "greedy" => Ok(TreeMethod::Greedy),
+        "ahead" => Ok(TreeMethod::Ahead),
+        "optimal" => Ok(TreeMethod::Optimal),
+        _ => Err(refuse("method", "unknown method", value, "give \"greedy\", \"ahead\" or \"optimal\"")),
+    }
+}
+
+fn stop(value: &Any<'_>) -> PyResult<Stop> {
+    let complain = || {
+        let remedy = "give \"perfect\", (\"unique\", 2) or (\"share\", 0.5)";
+        refuse("stop", "must say when a path is good enough", value, remedy)
+    };
+    if let Ok(name) = value.extract::<String>() {
+        return if name == "perfect" { Ok(Stop::Perfect) } else { Err(complain()) };
+    }
+    let (name, amount) = value.extract::<(String, Any<'_>)>().map_err(|_| complain())?;
+    match name.as_str() {
+        "unique" => Ok(Stop::Unique(whole("stop", &amount, 1)? as usize)),
+        "share" => Ok(Stop::Share(number("stop", &amount)?)),
+        _ => Err(complain()),
+    }
+}
+
+fn workspace(value: &Any<'_>) -> PyResult<[glam::DVec2; 2]> {
+    let corners = array_of("workspace", value, [2, 2], "(2, 2)")?;
+    let [a, b] = [dvec2(corners[0], corners[1]), dvec2(corners[2], corners[3])];
+    if a.x == b.x || a.y == b.y {
+        return Err(refuse("workspace", "must have an area", value, "give two opposite corners"));
+    }
+    Ok([a.min(b), a.max(b)])
+}
+
+fn directions(value: &Any<'_>) -> PyResult<(glam::DVec2, f64)> {
+    let remedy = "give ((dx, dy), half_angle), the angle in radians";
+    let parts = members("directions", value, "a direction and a half angle", remedy)?;
+    let [axis, half] = parts.as_slice() else {
+        return Err(refuse("directions", "must be a direction and a half angle", value, remedy));
+    };
+    Ok((vector("directions[0]", axis)?, number("directions[1]", half)?))
+}
+
+fn time_limit(value: &Any<'_>) -> PyResult<Duration> {
+    let seconds = number("time_limit", value)?;
+    if seconds > 0.0 && seconds.is_finite() {
+        return Ok(Duration::from_secs_f64(seconds.min(LONGEST)));
+    }
+    Err(refuse("time_limit", "must be above zero and finite", value, "give seconds, or leave it out"))
+}
+
+fn truth(argument: &str, value: &Any<'_>) -> PyResult<bool> {
+    let read = value.cast::<PyBool>().map(PyBoolMethods::is_true);
+    read.map_err(|_| refuse(argument, "must be True or False", value, "give a bool"))
+}

@@ -1,0 +1,204 @@
+//! The next path.
+
+use palpate::plane::Line;
+use palpate::{Hypothesis, Plan, Why};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::{number, raise, refuse, vector};
+use crate::hypothesis::PyHypothesis;
+use crate::interrupt::interruptible;
+use crate::options::{JUDGED, Options, PLACED, SEARCHED};
+use crate::path::PyPath;
+use crate::recognize::all;
+use crate::sensor::PySensor;
+
+type Any<'py> = Bound<'py, PyAny>;
+
+#[doc = doc!("PlanReport")]
+#[pyclass(name = "PlanReport", module = "palpate._core", frozen)]
+pub(crate) struct PyPlanReport {
+    plan: Plan,
+    path: Option<Py<PyPath>>,
+    why: Why,
+}
+
+/// Hypotheses of a recognition.
+pub(crate) fn hypotheses(value: &Any<'_>) -> PyResult<Vec<Hypothesis>> {
+    let remedy = "give found.hypotheses of a recognition";
+    let given = all::<PyHypothesis>("hypotheses", value, "Hypothesis", remedy)?;
+    Ok(given.iter().map(|one| one.get().hypothesis.clone()).collect())
+}
+
+pub(crate) fn sensor(value: &Any<'_>) -> PyResult<palpate::Sensor> {
+    match value.cast::<PySensor>() {
+        Ok(sensor) => Ok(sensor.get().0),
+        Err(_) => Err(refuse("sensor", "must be a Sensor", value, "give palpate.Sensor")),
+    }
+}
+
+#[doc = doc!("plan")]
+#[pyfunction]
+#[pyo3(
+    signature = (hypotheses, sensor, **options),
+    text_signature = "(hypotheses, sensor, *, planner='auto', stop='perfect', workspace=None, directions=None, time_limit=None, effort=None, seed=0, features=None, avoid_assigned=False, margin=0.001, cells=None, directions_tried=None)"
+)]
+pub(crate) fn plan(
+    py: Python<'_>,
+    hypotheses: &Any<'_>,
+    sensor: &Any<'_>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Option<Py<PyPath>>> {
+    planned(py, hypotheses, sensor, &Options::read("plan", options, &[JUDGED, PLACED, SEARCHED])?)
+        .map(|report| report.path)
+}
+
+#[doc = doc!("plan_report")]
+#[pyfunction]
+#[pyo3(
+    signature = (hypotheses, sensor, **options),
+    text_signature = "(hypotheses, sensor, *, planner='auto', stop='perfect', workspace=None, directions=None, time_limit=None, effort=None, seed=0, features=None, avoid_assigned=False, margin=0.001, cells=None, directions_tried=None)"
+)]
+pub(crate) fn plan_report(
+    py: Python<'_>,
+    hypotheses: &Any<'_>,
+    sensor: &Any<'_>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<PyPlanReport> {
+    let options = Options::read("plan_report", options, &[JUDGED, PLACED, SEARCHED])?;
+    planned(py, hypotheses, sensor, &options)
+}
+
+fn planned(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) -> PyResult<PyPlanReport> {
+    let (hypotheses, sensor) = (hypotheses(given)?, sensor(with)?);
+    let (settings, deadline) = (options.settings, options.deadline());
+    let (plan, late) = interruptible(py, |halt| {
+        let late = std::cell::Cell::new(false);
+        let plan = palpate::plan_until(&hypotheses, &sensor, &settings, &|| {
+            late.set(late.get() || deadline.late(halt));
+            late.get()
+        });
+        (plan, late.get())
+    })?;
+    let plan = plan.map_err(raise)?;
+    let path = plan.path.clone().map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()?;
+    let why = plan.why(&hypotheses, &settings, late);
+    Ok(PyPlanReport { plan, path, why })
+}
+
+#[doc = doc!("judge")]
+#[pyfunction]
+#[pyo3(
+    signature = (hypotheses, sensor, start, direction, length=None, **options),
+    text_signature = "(hypotheses, sensor, start, direction, length=None, *, features=None, avoid_assigned=False, margin=0.001, seed=0)"
+)]
+pub(crate) fn judge<'py>(
+    py: Python<'py>,
+    hypotheses: &Any<'py>,
+    sensor: &Any<'py>,
+    start: &Any<'py>,
+    direction: &Any<'py>,
+    length: Option<&Any<'py>>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<PyPath> {
+    let options = Options::read("judge", options, &[JUDGED])?;
+    let (hypotheses, sensor) = (self::hypotheses(hypotheses)?, self::sensor(sensor)?);
+    let line = Line { start: vector("start", start)?, direction: vector("direction", direction)? };
+    let length = length.map(|length| number("length", length)).transpose()?;
+    let path = py.detach(|| palpate::judge(&hypotheses, &sensor, line, length, &options.settings));
+    Ok(PyPath::new(path.map_err(raise)?, sensor.tip_radius))
+}
+
+#[doc = doc!("verification_path")]
+#[pyfunction]
+#[pyo3(
+    signature = (hypothesis, sensor, **options),
+    text_signature = "(hypothesis, sensor, *, workspace=None, directions=None, features=None, margin=0.001, seed=0)"
+)]
+pub(crate) fn verification_path<'py>(
+    py: Python<'py>,
+    hypothesis: &Any<'py>,
+    sensor: &Any<'py>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Option<PyPath>> {
+    let known: &[&[&str]] = &[PLACED, &["features", "margin", "seed"]];
+    let options = Options::read("verification_path", options, known)?;
+    let Ok(one) = hypothesis.cast::<PyHypothesis>() else {
+        let remedy = "give one of found.hypotheses";
+        return Err(refuse("hypothesis", "must be a Hypothesis", hypothesis, remedy));
+    };
+    let (one, sensor) = (&one.get().hypothesis, self::sensor(sensor)?);
+    let path = py.detach(|| palpate::verification_path(one, &sensor, &options.settings)).map_err(raise)?;
+    Ok(path.map(|path| PyPath::new(path, sensor.tip_radius)))
+}
+
+#[pymethods]
+impl PyPlanReport {
+    #[doc = doc!("PlanReport.path")]
+    #[getter]
+    fn path(&self, py: Python<'_>) -> Option<Py<PyPath>> {
+        self.path.as_ref().map(|path| path.clone_ref(py))
+    }
+
+    #[doc = doc!("PlanReport.bound")]
+    #[getter]
+    fn bound(&self) -> f64 {
+        self.plan.bound
+    }
+
+    #[doc = doc!("PlanReport.proved")]
+    #[getter]
+    fn proved(&self) -> bool {
+        self.plan.proved
+    }
+
+    #[doc = doc!("PlanReport.why")]
+    #[getter]
+    fn why(&self) -> &'static str {
+        self.why.name()
+    }
+
+    #[doc = doc!("PlanReport.num_judged")]
+    #[getter]
+    fn num_judged(&self) -> u64 {
+        self.plan.num_judged
+    }
+
+    #[doc = doc!("PlanReport.num_boxes")]
+    #[getter]
+    fn num_boxes(&self) -> u64 {
+        self.plan.num_boxes
+    }
+
+    #[doc = doc!("PlanReport.counters")]
+    #[getter]
+    fn counters<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(found) = &self.plan.counters else { return Ok(None) };
+        let counts = PyDict::new(py);
+        for (name, count) in [
+            ("unsensed", found.unsensed),
+            ("sensed", found.sensed),
+            ("inner_products", found.inner_products),
+            ("predicted_inner_products", found.predicted_inner_products()),
+            ("generators", found.generators),
+            ("candidates", found.candidates),
+            ("critical_points", found.critical_points),
+            ("predicted_critical_points", found.predicted_critical_points()),
+            ("critical_kept", found.critical_kept),
+            ("overlaps", found.overlaps),
+            ("paths", found.paths),
+        ] {
+            counts.set_item(name, count)?;
+        }
+        Ok(Some(counts))
+    }
+
+    fn __repr__(&self) -> String {
+        let score = self.plan.path.as_ref().map_or_else(
+            || "no path".to_owned(),
+            |path| format!("score {:.4} of {}", path.score, path.outcomes.len()),
+        );
+        let proved = if self.plan.proved { "proved" } else { "not proved" };
+        format!("<PlanReport: {}, {score}, {proved}>", self.why.name())
+    }
+}

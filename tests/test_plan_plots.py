@@ -1,0 +1,82 @@
+"""Pictures of planning: whole files, the same every time, and true to what they show."""
+
+import math
+
+import numpy as np
+import pytest
+from conftest import hypotheses_of, usual_sensor
+from matplotlib.collections import LineCollection
+
+import palpate
+from palpate.plots import plot_ambiguity_tree, plot_lines, plot_path, save_figure
+
+
+@pytest.fixture(scope="module")
+def hands():
+    return hypotheses_of("human-hand")
+
+
+@pytest.fixture(scope="module")
+def path(hands):
+    return palpate.plan(hands, usual_sensor())
+
+
+def texts(axes):
+    return [text.get_text() for text in axes.texts]
+
+
+def test_the_path_and_what_it_may_touch(hands, path):
+    figure = plot_path(hands, path, palpate.standard_contacts("human-hand"), tip_radius=1.0)
+    (axes,) = figure.axes
+    assert len([one for one in axes.collections if isinstance(one, LineCollection)]) == 4
+    assert axes.get_title() == "4 hypotheses: 4 classes, score 1, guaranteed"
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels[3].startswith("4 boot: face ") and len(labels) == 4
+    # The bars beside the path begin and end where the outcomes say.
+    bars = [line.get_xydata() for line in axes.lines if line.get_linewidth() == 4.0]
+    depths = [[float(path.direction @ (end - path.start)) for end in bar] for bar in bars]
+    expected = [touch.depth for outcome in path.outcomes for touch in outcome.touches]
+    assert np.allclose(depths, expected)
+
+
+def test_an_unusable_path_and_none(hands):
+    inside = palpate.judge(hands, usual_sensor(), (0, 40), (1, 0))
+    assert "can't be used (start" in plot_path(hands, inside).axes[0].get_title()
+    assert plot_path(hands, None).axes[0].get_title() == "4 hypotheses: no path"
+    with pytest.raises(ValueError, match=r"^hypotheses: must not be empty"):
+        plot_path([], None)
+
+
+def test_the_tree_has_every_node(hands):
+    tree = palpate.plan_tree(hands, usual_sensor())
+    (axes,) = plot_ambiguity_tree(tree).axes
+    shown = texts(axes)
+    for number, name in enumerate(tree.names, start=1):
+        assert f"I{number} {name}" in shown
+    assert len(shown) == len(tree.nodes) + 4  # a text for each node and each branch
+    assert axes.get_title().startswith("4 hypotheses: 1.00 touches expected")
+    lone = palpate.plan_tree(hands, usual_sensor(), max_nodes=0)
+    assert "not planned for" in texts(plot_ambiguity_tree(lone).axes[0])[0]
+
+
+def test_the_plane_of_lines_has_the_scores(hands, path):
+    figure = plot_lines(hands, usual_sensor(), path, directions=((0, -1), 1.0))
+    axes = figure.axes[0]
+    scores = np.asarray(axes.images[0].get_array().filled(math.nan))
+    assert scores.shape == (240, 360) and np.nanmin(scores) == 1.0 and np.nanmax(scores) == 4.0
+    angles = -math.pi + 2 * math.pi * (np.arange(360) + 0.5) / 360
+    allowed = np.abs(angles + math.pi / 2) <= 1.0
+    assert np.isnan(scores[:, ~allowed]).all() and not np.isnan(scores[:, allowed]).all()
+    lines = palpate.Lines(hands, usual_sensor())
+    (mark,) = axes.lines
+    (angle,), (offset,) = mark.get_data()
+    assert lines.judge(math.radians(angle), offset).score == path.score
+
+
+@pytest.mark.parametrize("suffix", ["svg", "png"])
+def test_files_are_whole_and_the_same_every_time(hands, path, *, tmp_path, suffix):
+    tree = palpate.plan_tree(hands, usual_sensor())
+    for make in (lambda: plot_path(hands, path), lambda: plot_ambiguity_tree(tree)):
+        for name in ("one", "two"):
+            save_figure(make(), tmp_path / f"{name}.{suffix}")
+        assert (tmp_path / f"one.{suffix}").read_bytes() == (tmp_path / f"two.{suffix}").read_bytes()
