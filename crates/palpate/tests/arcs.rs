@@ -21,7 +21,7 @@ fn random_arc(random: &mut Rng) -> Arc {
 /// By going from the start; `None` near an end.
 fn holds(arc: Arc, angle: f64) -> Option<bool> {
     let way = (angle - arc.start).rem_euclid(TAU);
-    let near = way < NEAR || way > TAU - NEAR || (way - arc.width).abs() < NEAR;
+    let near = !(NEAR..=TAU - NEAR).contains(&way) || (way - arc.width).abs() < NEAR;
     (!near).then_some(way < arc.width)
 }
 
