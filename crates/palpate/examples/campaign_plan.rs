@@ -73,7 +73,9 @@ fn resumed(path: &Path, header: &str) -> (File, Vec<String>) {
     let done: Vec<String> =
         if lines.next().as_deref() == Some(header) { lines.collect() } else { Vec::new() };
     let mut text = format!("{header}\n");
-    done.iter().for_each(|line| text.extend([line, "\n"]));
+    for line in &done {
+        text.extend([line, "\n"]);
+    }
     std::fs::write(path, text).expect("the file can be written");
     (OpenOptions::new().append(true).open(path).expect("the file is there"), done)
 }
