@@ -70,14 +70,6 @@ fn by(hypotheses: &[Hypothesis], planner: Planner) -> Plan {
     plan(hypotheses, &usual(), &settings).expect("good settings")
 }
 
-/// Seconds that this thread has been on a core, where the system says; else those that went by since `begun`. Whatever else
-/// the machine does counts less this way.
-fn clock(begun: Instant) -> f64 {
-    let listing = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds: Option<f64> = listing.split(' ').next().and_then(|text| text.parse().ok());
-    nanoseconds.map_or_else(|| begun.elapsed().as_secs_f64(), |value| 1e-9 * value)
-}
-
 /// Seconds for each problem, until there are enough or time is up; and what came out.
 #[expect(clippy::disallowed_methods, reason = "it measures time")]
 fn timed<T>(
@@ -88,9 +80,9 @@ fn timed<T>(
     let begun = Instant::now();
     let (mut times, mut results) = (Vec::new(), Vec::new());
     for hypotheses in problems.take(count) {
-        let started = clock(begun);
+        let started = Instant::now();
         results.push(work(&hypotheses));
-        times.push(clock(begun) - started);
+        times.push(started.elapsed().as_secs_f64());
         if begun.elapsed() > LONGEST {
             break;
         }

@@ -210,7 +210,7 @@ fn nearly_symmetric(random: &mut Rng) -> Arc<Model> {
     let whole = regular(3 + random.usize(0..4), 60.0);
     let mut corners: Vec<DVec2> = whole.faces.iter().map(|face| face.start).collect();
     let (start, end) = (corners[0], corners[1]);
-    let along = (end - start).normalize_or_zero();
+    let along = (end - start) / end.distance(start);
     let inward = dvec2(-along.y, along.x);
     let (at, width, depth) =
         (uniform(random, 0.3, 0.5), uniform(random, 5.0, 9.0), uniform(random, 3.0, 6.0));
