@@ -122,7 +122,6 @@ fn windows() -> Vec<Hypothesis> {
 }
 
 #[test]
-#[ignore = "the proof looks along whole lines, also before the border of the workspace where they begin"]
 fn lines_that_begin_between_parts_of_an_outline_are_not_overlooked() {
     let hypotheses = windows();
     let sensor = Sensor::new(0.5, Some(0.07), 0.6).expect("a good sensor");

@@ -109,9 +109,7 @@ impl Scene {
         let direction = DVec2::from_angle(angle);
         let foot = self.middle + aside * direction.perp();
         let Some([low, high]) = self.workspace else {
-            let clear = self.radius + self.sensor.tip_radius + self.sensor.path_error + 2.0 * self.margin;
-            let slack = self.shadows.iter().map(|shadow| shadow.model().position_slack).fold(0.0, f64::max);
-            return Some(Line { start: foot - (clear + slack) * direction, direction });
+            return Some(Line { start: foot - self.clear() * direction, direction });
         };
         let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in [DVec2::X, DVec2::Y] {
@@ -128,6 +126,20 @@ impl Scene {
             leave = leave.min(first.max(second));
         }
         (enter < leave).then(|| Line { start: foot + enter * direction, direction })
+    }
+
+    /// The radius of a circle around the middle outside of which a tip is clear of everything.
+    fn clear(&self) -> f64 {
+        let slack = self.shadows.iter().map(|shadow| shadow.model().position_slack).fold(0.0, f64::max);
+        self.radius + self.sensor.tip_radius + self.sensor.path_error + slack + 2.0 * self.margin
+    }
+
+    /// Whether every line begins clear of all that any hypothesis may occupy, whatever its direction.
+    pub fn begins_outside(&self) -> bool {
+        let clear = self.clear();
+        self.workspace.is_none_or(|[low, high]| {
+            (self.middle - low).min_element() >= clear && (high - self.middle).min_element() >= clear
+        })
     }
 
     /// Whether a direction within `half` of the angle is allowed.

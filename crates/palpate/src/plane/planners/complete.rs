@@ -60,13 +60,15 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
     let mut open = first_boxes(scene, members.len());
     let mut next_number = open.len() as u64;
     let mut num_boxes = 0;
+    // The proof is of lines that begin outside of everything.
+    let outside = scene.begins_outside();
     let score = |left: usize| left as f64 / members.len() as f64;
     while let Some(first) = open.peek() {
         // The heap gives the most promising box first: if that is closed, all are.
         let least = first.left.min(best.num_left());
-        let proved = least >= best.num_left();
-        if proved || best.enough(settings.stop) || num_boxes >= settings.effort || late() {
-            return Proof { bound: score(least), proved, num_boxes };
+        let closed = least >= best.num_left();
+        if closed || best.enough(settings.stop) || num_boxes >= settings.effort || late() {
+            return Proof { bound: score(least), proved: closed && outside, num_boxes };
         }
         let batch: Vec<Lines> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
         num_boxes += batch.len() as u64;
@@ -87,7 +89,7 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
             }
         }
     }
-    Proof { bound: score(best.num_left().min(members.len().pow(2))), proved: true, num_boxes }
+    Proof { bound: score(best.num_left().min(members.len().pow(2))), proved: outside, num_boxes }
 }
 
 /// What a box may hold that leaves less than `enough`.

@@ -88,6 +88,7 @@ pub(crate) struct Frame<'a> {
     /// Readings whose depths, and normals, differ by no more are alike for lines of margin m.
     alike_depth: f64,
     alike_cosine: f64,
+    begins_outside: bool,
 }
 
 impl<'a> Frame<'a> {
@@ -101,6 +102,7 @@ impl<'a> Frame<'a> {
             aside: lines.aside,
             reach: lines.reach,
             half: lines.half,
+            begins_outside: scene.begins_outside(),
             along,
             left: along.perp(),
             chord: 2.0 * (0.5 * lines.half).sin(),
@@ -284,7 +286,8 @@ impl View {
         if nearest_sure == f64::INFINITY && straddled {
             nearest_sure = farthest;
         }
-        if !nearest_sure.is_finite() || !touchable {
+        // Where lines may begin behind a face, nothing is surely met; nothing met along the whole line stays nothing.
+        if !nearest_sure.is_finite() || !touchable || !frame.begins_outside {
             return Glance::Unsure;
         }
         let mut nearest = Meetings::new();
