@@ -6,11 +6,13 @@
 #![forbid(unsafe_code)]
 
 pub mod ambiguity;
+mod best;
 pub mod contact;
 pub mod error;
 pub mod feature;
 pub mod hypothesis;
 pub mod judge;
+pub mod path;
 pub mod plan;
 pub mod plane;
 pub mod recognize;
@@ -27,7 +29,8 @@ pub use error::Error;
 pub use feature::Feature;
 pub use hypothesis::{Count, Hypothesis, Interpretation};
 pub use judge::{Fault, Outcome, Reading, Touch, Verdict};
-pub use plan::{EllisCounters, Path, Plan, PlanSettings, Planner, Prepared, Stop, judge, plan, plan_until};
+pub use path::Path;
+pub use plan::{EllisCounters, Plan, PlanSettings, Planner, Prepared, Stop, judge, plan, plan_until};
 pub use recognize::{ModelReport, Recognition, Settings, recognize, recognize_until};
 pub use sensor::Sensor;
 pub use why::Why;

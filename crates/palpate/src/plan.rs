@@ -1,13 +1,13 @@
 //! Planning: the path that tells the hypotheses apart best (thesis, chapter 3).
 
-use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 use glam::DVec2;
 
 use crate::Error;
+use crate::best::Best;
 use crate::hypothesis::Hypothesis;
-use crate::judge::{Fault, Outcome, Reading, Verdict};
+use crate::path::{Path, judged};
 use crate::plane::planners;
 use crate::plane::{Line, Scene};
 
@@ -119,84 +119,6 @@ impl Default for PlanSettings {
     }
 }
 
-/// A straight guarded move and what it would tell.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Path {
-    /// Where it starts and how it goes, world frame.
-    pub line: Line,
-    /// How far, past the last possible contact.
-    pub length: f64,
-    /// All that it separates stays separated, and it stays usable, for shifts by this; to an eighth of m, at most 64 m.
-    pub margin: f64,
-    /// `(1/n) Σ_k (hypotheses not separated from k)`.
-    pub score: f64,
-    /// The mean over poses of how many hypotheses their exact readings leave.
-    pub expected_score: f64,
-    /// Branches of the ambiguity tree.
-    pub classes: Vec<Vec<usize>>,
-    /// Hypotheses that it may pass by.
-    pub no_contact: Vec<usize>,
-    /// What each hypothesis can answer.
-    pub outcomes: Vec<Outcome>,
-    /// Why it can't be used, and because of which hypothesis.
-    pub fault: Option<(usize, Fault)>,
-    sensor: Sensor,
-}
-
-impl Path {
-    /// Whether it is certain to tell something: some pair is separated.
-    #[must_use]
-    pub fn guaranteed(&self) -> bool {
-        self.fault.is_none() && self.score < self.outcomes.len() as f64
-    }
-
-    /// The hypotheses that could have given a reading, or, with `None`, a miss.
-    #[must_use]
-    pub fn outcome_of(&self, reading: Option<Reading>) -> Vec<usize> {
-        let answers = |k: &usize| self.outcomes[*k].may_answer(reading, &self.sensor);
-        (0..self.outcomes.len()).filter(answers).collect()
-    }
-
-    /// A sensed centre and normal as the path sees them.
-    #[must_use]
-    pub fn reading(&self, center: DVec2, normal: Option<DVec2>) -> Reading {
-        let (depth, aside) = self.line.coordinates(center);
-        Reading { depth, aside, normal: normal.map(DVec2::to_angle) }
-    }
-
-    /// Hypotheses that it identifies, whichever reading they give.
-    #[must_use]
-    pub fn num_unique(&self) -> usize {
-        self.classes.iter().filter(|class| class.len() == 1).count()
-    }
-
-    /// Whether it is good enough to stop, and keeps what it tells under shifts by m.
-    pub(crate) fn enough(&self, stop: Stop, m: f64) -> bool {
-        let n = self.outcomes.len();
-        let tells = match stop {
-            Stop::Perfect => self.score <= 1.0,
-            Stop::Unique(count) => self.num_unique() >= count.min(n),
-            Stop::Share(share) => self.num_unique() as f64 >= share * n as f64,
-        };
-        tells && self.margin >= m
-    }
-
-    /// The order of paths, best first (DESIGN §2).
-    pub(crate) fn order(&self, other: &Self, m: f64) -> Ordering {
-        let n = self.outcomes.len().max(1) as f64;
-        let rounded = |value: f64, unit: f64| if unit > 0.0 { (value / unit).round() } else { value };
-        let expected = |path: &Self| rounded(path.expected_score, 0.01 * n);
-        self.score
-            .total_cmp(&other.score)
-            .then(expected(self).total_cmp(&expected(other)))
-            .then(rounded(other.margin, m).total_cmp(&rounded(self.margin, m)))
-            .then(self.length.total_cmp(&other.length))
-            .then(self.line.start.x.total_cmp(&other.line.start.x))
-            .then(self.line.start.y.total_cmp(&other.line.start.y))
-            .then(self.line.direction.to_angle().total_cmp(&other.line.direction.to_angle()))
-    }
-}
-
 /// The answer of a planner.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
@@ -266,44 +188,6 @@ pub fn judge(
     Ok(judged(&scene, &scene.everyone(), &line, length))
 }
 
-/// The path along a line among the members.
-pub(crate) fn judged(scene: &Scene, members: &[usize], line: &Line, length: Option<f64>) -> Path {
-    let mut outcomes = match scene.outcomes(line, members, 0.0) {
-        Ok(outcomes) => outcomes,
-        // All of them, for whoever wants to know.
-        Err(_) => members
-            .iter()
-            .flat_map(|member| match scene.outcomes(line, &[*member], 0.0) {
-                Ok(outcomes) | Err(outcomes) => outcomes,
-            })
-            .collect(),
-    };
-    let last = outcomes.iter().flat_map(|outcome| &outcome.touches).map(|touch| touch.depth.high);
-    let needed =
-        last.fold(0.0, f64::max) + scene.sensor.position_error + scene.sensor.path_error + scene.margin;
-    let length = length.unwrap_or(needed);
-    for outcome in &mut outcomes {
-        // A shorter path may end before the contact.
-        outcome.may_miss |= outcome.touches.iter().any(|touch| touch.depth.high >= length);
-        outcome.touches.retain(|touch| touch.depth.low <= length);
-    }
-    let verdict = Verdict::new(&outcomes, &scene.sensor);
-    let usable = verdict.fault.is_none();
-    let margin = if usable { scene.margin_of(line, members, &verdict) } else { 0.0 };
-    Path {
-        line: *line,
-        length,
-        margin,
-        score: verdict.score(),
-        expected_score: scene.expected_score(line, members, &outcomes),
-        classes: verdict.classes(),
-        no_contact: (0..outcomes.len()).filter(|k| outcomes[*k].may_miss).collect(),
-        fault: verdict.fault,
-        outcomes,
-        sensor: scene.sensor,
-    }
-}
-
 /// Plans among some of the hypotheses; the path's numbers are places in `members`. `late` says that time is up.
 pub(crate) fn plan_among(
     scene: &Scene,
@@ -344,87 +228,6 @@ pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn 
         num_judged: best.num_judged,
         num_boxes: proof.num_boxes,
         counters,
-    }
-}
-
-/// What makes a path the best.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Aim {
-    /// Its score: pairs that it does not separate.
-    #[default]
-    Score,
-    /// `Σ (size of a class)²`, `n` times the expected size of a branch of the ambiguity tree. No less than the pairs
-    /// that are not separated, so that what bounds these bounds it as well.
-    Branches,
-}
-
-/// The best path so far.
-pub(crate) struct Best<'a> {
-    pub scene: &'a Scene,
-    pub members: &'a [usize],
-    pub path: Option<Path>,
-    pub num_judged: u64,
-    pub aim: Aim,
-    /// What `path` leaves, as the aim counts it.
-    left: usize,
-    /// Lines are judged even if they can't become the best.
-    pub thorough: bool,
-    /// Is told of every line that is judged, whether it can be used or not.
-    pub listener: Option<&'a mut dyn FnMut(&Line)>,
-}
-
-impl<'a> Best<'a> {
-    pub fn new(scene: &'a Scene, members: &'a [usize]) -> Self {
-        Self {
-            scene,
-            members,
-            path: None,
-            num_judged: 0,
-            aim: Aim::Score,
-            left: 0,
-            thorough: false,
-            listener: None,
-        }
-    }
-
-    /// The number of pairs that the best path leaves, as the aim counts them; more than any if there is none.
-    pub fn num_left(&self) -> usize {
-        let n = self.members.len();
-        if self.path.is_some() { self.left } else { n * n + 1 }
-    }
-
-    /// Whether a line that leaves so many pairs at least need not be judged.
-    pub fn hopeless(&self, left: usize) -> bool {
-        !self.thorough && left > self.num_left()
-    }
-
-    /// Judges a line; it becomes the best if it is better.
-    pub fn offer(&mut self, line: &Line) {
-        self.num_judged += 1;
-        if let Some(listener) = &mut self.listener {
-            listener(line);
-        }
-        let Some(verdict) = self.scene.verdict(line, self.members, 0.0) else { return };
-        let left = match self.aim {
-            Aim::Score => verdict.num_left(),
-            Aim::Branches => verdict.classes().iter().map(|class| class.len().pow(2)).sum(),
-        };
-        if left > self.num_left() {
-            return;
-        }
-        let path = judged(self.scene, self.members, line, None);
-        if path.fault.is_some() {
-            return;
-        }
-        let order = |known: &Path| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));
-        if self.path.as_ref().is_none_or(|known| order(known) == Ordering::Less) {
-            self.path = Some(path);
-            self.left = left;
-        }
-    }
-
-    pub fn enough(&self, stop: Stop) -> bool {
-        self.path.as_ref().is_some_and(|path| path.enough(stop, self.scene.margin))
     }
 }
 

@@ -128,8 +128,11 @@ pub fn recognize_until(
     }
     complete &= hypotheses.len() <= settings.max_hypotheses;
     hypotheses.truncate(settings.max_hypotheses);
-    complete &= !stop.load(Relaxed);
+    let going_on = || !stop.load(Relaxed);
+    complete &= going_on();
     let conflict = (complete && hypotheses.is_empty()).then(|| conflict(models, evidence, settings, stop));
+    // Given up in the middle of it: then it is not known.
+    let conflict = conflict.filter(|_| going_on());
     Ok(Recognition { hypotheses, conflict, reports, complete })
 }
 

@@ -312,3 +312,21 @@ fn the_back_of_a_loose_face_is_in_the_way_of_a_ball() {
     let path = judge(&hypotheses, &sensor, line, None, &PlanSettings::default()).expect("a good line");
     assert!(matches!(path.fault, Some((_, Fault::Untouchable))), "{path:?}");
 }
+
+#[test]
+fn a_path_that_may_end_too_soon_has_no_margin_and_may_miss() {
+    for hypotheses in problems(8, 0.0).take(20) {
+        let Some(path) = planned(&hypotheses, &PlanSettings::default()).path else { continue };
+        let again = |length| judge(&hypotheses, &sensor(), path.line, Some(length), &PlanSettings::default());
+        let whole = again(path.length).expect("a good line");
+        assert_eq!((whole.margin, &whole.classes), (path.margin, &path.classes));
+        let last = |k: &usize| {
+            let touches = path.outcomes[*k].touches.iter();
+            touches.map(|touch| touch.depth.high).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let farthest = (0..hypotheses.len()).max_by(|a, b| last(a).total_cmp(&last(b))).expect("hypotheses");
+        let short = again(last(&farthest) - 0.1).expect("a good line");
+        assert_eq!(short.margin, 0.0);
+        assert!(short.no_contact.contains(&farthest));
+    }
+}

@@ -4,7 +4,9 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::{Answers, Branch, Node, Status};
-use crate::plan::{Aim, Best, Path, Plan, PlanSettings, plan_with};
+use crate::best::{Aim, Best};
+use crate::path::Path;
+use crate::plan::{Plan, PlanSettings, plan_with};
 
 /// A tree, and what was learned on the way.
 pub(super) struct Grown {

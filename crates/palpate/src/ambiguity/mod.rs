@@ -14,8 +14,10 @@ mod text;
 mod verify;
 
 use crate::Error;
+use crate::best::Best;
 use crate::hypothesis::Hypothesis;
-use crate::plan::{Best, Path, PlanSettings, check};
+use crate::path::Path;
+use crate::plan::{PlanSettings, check};
 use crate::plane::Scene;
 use crate::sensor::Sensor;
 

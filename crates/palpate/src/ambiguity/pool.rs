@@ -5,8 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::Status;
 use super::grow::{Choice, planned};
 use super::relation::{Relation, Set, bit, members};
+use crate::best::Best;
 use crate::judge::Outcome;
-use crate::plan::{Best, PlanSettings, judged};
+use crate::path::judged;
+use crate::plan::PlanSettings;
 use crate::plane::{Line, Scene};
 
 /// Lines that tell the same; of each relation so many are kept, those that the planner offered first.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{AmbiguityTree, Answers, Node, Status, TreeMethod};
-use crate::plan::Path;
+use crate::path::Path;
 
 impl AmbiguityTree {
     /// Drawn with one line for each branch: `S1`, `S2` are what may be sensed, `I1`, `I2` the hypotheses.

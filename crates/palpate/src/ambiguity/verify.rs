@@ -6,7 +6,8 @@ use glam::DVec2;
 
 use crate::Error;
 use crate::hypothesis::Hypothesis;
-use crate::plan::{Path, PlanSettings, check, judged};
+use crate::path::{Path, judged};
+use crate::plan::{PlanSettings, check};
 use crate::plane::{Line, Scene, directions};
 use crate::sensor::Sensor;
 

@@ -44,6 +44,14 @@ pub(crate) struct Rules {
     pub avoid_assigned: bool,
 }
 
+/// What is asked of a hypothesis: what this line may meet first, with this sensor.
+pub(crate) struct Question<'a> {
+    pub line: &'a Line,
+    pub sensor: &'a Sensor,
+    pub allowance: Allowance,
+    pub rules: Rules,
+}
+
 /// How far along the line a vertex may be, and how far to the left of it.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
@@ -62,20 +70,20 @@ struct Possible {
 impl Shadow {
     /// What the line may meet first, over all poses.
     ///
-    /// `allowance` widens everything before nearer contacts hide farther ones, so that with a larger one the outcome only
+    /// The allowance widens everything before nearer contacts hide farther ones, so that with a larger one the outcome only
     /// grows (`docs/theory.md`, T12).
-    pub fn outcome(&self, line: &Line, sensor: &Sensor, allowance: &Allowance, rules: Rules) -> Outcome {
+    pub fn outcome(&self, ask: &Question<'_>) -> Outcome {
         let mut outcome = Outcome::default();
         let mut seen = Vec::with_capacity(self.model.vertices.len());
         for cell in &self.cells {
-            self.check_start(cell, line, sensor, allowance, &mut outcome);
+            self.check_start(cell, ask, &mut outcome);
             seen.clear();
-            seen.extend(cell.spots.iter().map(|spot| self.seen(spot, line)));
-            let (blocked, possible) = self.cell_outcome(cell, &seen, line, sensor, allowance);
+            seen.extend(cell.spots.iter().map(|spot| self.seen(spot, ask.line)));
+            let (blocked, possible) = self.cell_outcome(cell, &seen, ask);
             outcome.may_miss |= blocked.is_none();
             for one in possible {
                 if one.depth.low <= blocked.unwrap_or(f64::INFINITY) {
-                    let fault = one.fault.or_else(|| self.unwanted(one.feature, rules));
+                    let fault = one.fault.or_else(|| self.unwanted(one.feature, ask.rules));
                     if let Some(fault) = fault {
                         outcome.fault = Some(outcome.fault.map_or(fault, |known| known.min(fault)));
                     }
@@ -100,21 +108,14 @@ impl Shadow {
     }
 
     /// The tip must be clear of the part where it starts, at every pose of the cell.
-    fn check_start(
-        &self,
-        cell: &PlacedCell,
-        line: &Line,
-        sensor: &Sensor,
-        allowance: &Allowance,
-        outcome: &mut Outcome,
-    ) {
-        let keep = sensor.tip_radius + allowance.aside;
-        if line.start.distance(self.middle) > self.radius + keep {
+    fn check_start(&self, cell: &PlacedCell, ask: &Question<'_>, outcome: &mut Outcome) {
+        let keep = ask.sensor.tip_radius + ask.allowance.aside;
+        if ask.line.start.distance(self.middle) > self.radius + keep {
             return;
         }
         // In the model's frame, from the middle of the cell, the start moves by no more than `motion`.
         let y_mid = cell.y_mid();
-        let lever = line.start - self.pivot;
+        let lever = ask.line.start - self.pivot;
         let spread = cell.corners.iter().map(|(_, y)| y.distance(y_mid)).fold(0.0, f64::max);
         let motion = spread + 2.0 * (0.5 * cell.half).sin() * lever.length();
         let at = y_mid + DVec2::from_angle(-cell.mid).rotate(lever);
@@ -139,25 +140,23 @@ impl Shadow {
         &self,
         cell: &PlacedCell,
         seen: &[Seen],
-        line: &Line,
-        sensor: &Sensor,
-        allowance: &Allowance,
+        ask: &Question<'_>,
     ) -> (Option<f64>, Vec<Possible>) {
         let mut possible = Vec::new();
-        let reach = allowance.aside + sensor.tip_radius;
+        let reach = ask.allowance.aside + ask.sensor.tip_radius;
         if seen.iter().all(|seen| seen.aside.low > reach) || seen.iter().all(|seen| seen.aside.high < -reach)
         {
             return (None, possible);
         }
         for number in 0..self.model.faces.len() {
-            possible.extend(self.possible_on_face(cell, seen, number, line, sensor, allowance));
+            possible.extend(self.possible_on_face(cell, seen, number, ask));
         }
-        if sensor.tip_radius > 0.0 {
+        if ask.sensor.tip_radius > 0.0 {
             for number in 0..self.model.vertices.len() {
-                possible.extend(self.possible_on_vertex(cell, seen, number, line, sensor, allowance));
+                possible.extend(self.possible_on_vertex(cell, seen, number, ask));
             }
         }
-        let blocked = self.surely_met(cell, seen, line, sensor, allowance);
+        let blocked = self.surely_met(cell, seen, ask);
         (blocked.filter(|depth| *depth >= 0.0), possible)
     }
 
@@ -167,9 +166,7 @@ impl Shadow {
         cell: &PlacedCell,
         seen: &[Seen],
         number: usize,
-        line: &Line,
-        sensor: &Sensor,
-        allowance: &Allowance,
+        ask: &Question<'_>,
     ) -> Option<Possible> {
         let face = &self.model.faces[number];
         if face.surface == Surface::Seam {
@@ -177,12 +174,12 @@ impl Shadow {
         }
         let [start, end] = self.ends[number].map(|vertex| seen[vertex]);
         let near = hull(start.aside, end.aside);
-        let reach = allowance.aside + sensor.tip_radius;
+        let reach = ask.allowance.aside + ask.sensor.tip_radius;
         if near.low > reach || near.high < -reach {
             return None;
         }
-        let normals = Arc::around(cell.mid + face.normal.to_angle(), cell.half + allowance.angle);
-        let incidence = incidence(normals, line);
+        let normals = Arc::around(cell.mid + face.normal.to_angle(), cell.half + ask.allowance.angle);
+        let incidence = incidence(normals, ask.line);
         if incidence.low >= FRAC_PI_2 || (incidence.high >= FRAC_PI_2 && !self.model.closed) {
             // The back of a face: of a closed part it is never met first, of a loose one it is in the way, and the radius
             // moves it to the other side.
@@ -190,7 +187,7 @@ impl Shadow {
                 return None;
             }
             let along = hull(start.along, end.along);
-            let depth = widened(along, allowance.depth + sensor.tip_radius);
+            let depth = widened(along, ask.allowance.depth + ask.sensor.tip_radius);
             return (depth.high >= 0.0).then_some(Possible {
                 feature: Feature::Face(number as u32),
                 depth,
@@ -199,12 +196,13 @@ impl Shadow {
             });
         }
         // The radius moves the face to one side.
-        let moved = Range::of_dot(cell.turned(face.normal), line.left(), cell.half).times(sensor.tip_radius);
-        if near.low + moved.low > allowance.aside || near.high + moved.high < -allowance.aside {
+        let moved =
+            Range::of_dot(cell.turned(face.normal), ask.line.left(), cell.half).times(ask.sensor.tip_radius);
+        if near.low + moved.low > ask.allowance.aside || near.high + moved.high < -ask.allowance.aside {
             return None;
         }
-        let depth = self.face_depth(cell, [start, end], number, line, sensor.tip_radius, allowance)?;
-        let limit = sensor.max_incidence;
+        let depth = self.face_depth(cell, [start, end], number, ask.sensor.tip_radius, ask)?;
+        let limit = ask.sensor.max_incidence;
         let fault = match face.surface {
             Surface::Touchable => (incidence.high > limit).then_some(Fault::Skid),
             _ => Some(Fault::Untouchable),
@@ -226,34 +224,33 @@ impl Shadow {
         cell: &PlacedCell,
         [start, end]: [Seen; 2],
         number: usize,
-        line: &Line,
         radius: f64,
-        allowance: &Allowance,
+        ask: &Question<'_>,
     ) -> Option<Range> {
         let face = &self.model.faces[number];
         let normal = cell.turned(face.normal);
         // How far along the line the radius moves each end: r·(n·u) over the cell.
-        let shift = Range::of_dot(normal, line.direction, cell.half).times(radius);
+        let shift = Range::of_dot(normal, ask.line.direction, cell.half).times(radius);
         let span = hull(start.along, end.along);
         let extent = Range { low: span.low + shift.low, high: span.high + shift.high };
         // Ends cut off where the path does not reach: only the part of the face within `aside` of the line is met.
-        let incidence = incidence(Arc::around(normal.to_angle(), cell.half), line);
+        let incidence = incidence(Arc::around(normal.to_angle(), cell.half), ask.line);
         if incidence.high >= FRAC_PI_2 - 1e-3 {
-            return Some(widened(extent, allowance.depth));
+            return Some(widened(extent, ask.allowance.depth));
         }
         let (slowest, fastest) = (incidence.high.cos(), incidence.low.cos());
         let inner = face.normal.dot(face.start) + radius;
         let y_mid = cell.y_mid();
-        let along_normal = normal.dot(line.direction);
-        let t_mid = (inner - face.normal.dot(y_mid) + normal.dot(self.pivot - line.start)) / along_normal;
-        let arm = self.pivot - line.at(t_mid);
+        let along_normal = normal.dot(ask.line.direction);
+        let t_mid = (inner - face.normal.dot(y_mid) + normal.dot(self.pivot - ask.line.start)) / along_normal;
+        let arm = self.pivot - ask.line.at(t_mid);
         let (a, b) = (normal.dot(arm), normal.perp().dot(arm));
         let mut gap = Range { low: f64::INFINITY, high: f64::NEG_INFINITY };
         for (s, y) in &cell.corners {
             let value = inner - face.normal.dot(*y) + cell.mu * a + s * b;
             gap = Range { low: gap.low.min(value), high: gap.high.max(value) };
         }
-        let gap = widened(gap, cell.rho * a.abs() + allowance.aside * incidence.high.sin());
+        let gap = widened(gap, cell.rho * a.abs() + ask.allowance.aside * incidence.high.sin());
         // t − t_mid = gap / (n·u), and n·u is in [−fastest, −slowest].
         let quotient = |value: f64, upper: bool| {
             if (value > 0.0) == upper { value / slowest } else { value / fastest }
@@ -263,7 +260,7 @@ impl Shadow {
             high: (t_mid + quotient(-gap.low, true)).min(extent.high),
         };
         let rounding = 1e-9 * (self.radius + depth.low.abs());
-        (depth.low <= depth.high + rounding).then(|| widened(depth, allowance.depth + rounding))
+        (depth.low <= depth.high + rounding).then(|| widened(depth, ask.allowance.depth + rounding))
     }
 
     /// A contact of a ball with a vertex that sticks out.
@@ -272,34 +269,32 @@ impl Shadow {
         cell: &PlacedCell,
         seen: &[Seen],
         number: usize,
-        line: &Line,
-        sensor: &Sensor,
-        allowance: &Allowance,
+        ask: &Question<'_>,
     ) -> Option<Possible> {
-        let radius = sensor.tip_radius;
+        let radius = ask.sensor.tip_radius;
         let Seen { along, aside } = seen[number];
         let cone = self.cones[number]?;
         // The vertex's offset to the left of the tip's way, as a share of the radius: the sine of the incidence.
-        let low = ((aside.low - allowance.aside) / radius).max(-1.0);
-        let high = ((aside.high + allowance.aside) / radius).min(1.0);
+        let low = ((aside.low - ask.allowance.aside) / radius).max(-1.0);
+        let high = ((aside.high + ask.allowance.aside) / radius).min(1.0);
         if low > high {
             return None;
         }
-        let back = (-line.direction).to_angle();
+        let back = (-ask.line.direction).to_angle();
         let (low, high) = (low.asin(), high.asin());
-        let hit = Arc { start: back + low, width: high - low }.widen(allowance.angle);
-        let sticking = cone.turn(cell.mid).widen(cell.half + allowance.angle);
+        let hit = Arc { start: back + low, width: high - low }.widen(ask.allowance.angle);
+        let sticking = cone.turn(cell.mid).widen(cell.half + ask.allowance.angle);
         let parts = hit.intersect(sticking);
         let first = parts.first()?;
         let normals = if parts.len() == 1 { *first } else { hit };
-        let incidence = incidence(normals, line);
+        let incidence = incidence(normals, ask.line);
         let depth = Range {
-            low: along.low - radius * incidence.low.cos() - allowance.depth,
-            high: along.high - radius * incidence.high.min(FRAC_PI_2).cos() + allowance.depth,
+            low: along.low - radius * incidence.low.cos() - ask.allowance.depth,
+            high: along.high - radius * incidence.high.min(FRAC_PI_2).cos() + ask.allowance.depth,
         };
         let touchable = self.model.vertices[number].normals.is_some();
         let fault = if touchable {
-            (incidence.high > sensor.max_incidence).then_some(Fault::Skid)
+            (incidence.high > ask.sensor.max_incidence).then_some(Fault::Skid)
         } else {
             Some(Fault::Untouchable)
         };
@@ -312,18 +307,11 @@ impl Shadow {
     /// Between a vertex that is surely to its left and the next one that is surely to its right an outline must cross the
     /// line, inward; of a loose face this is said only if it is one face. The tip touches no later than its centre is its
     /// radius away from that crossing.
-    fn surely_met(
-        &self,
-        cell: &PlacedCell,
-        seen: &[Seen],
-        line: &Line,
-        sensor: &Sensor,
-        allowance: &Allowance,
-    ) -> Option<f64> {
+    fn surely_met(&self, cell: &PlacedCell, seen: &[Seen], ask: &Question<'_>) -> Option<f64> {
         let side = |vertex: usize| {
-            if seen[vertex].aside.low > allowance.aside {
+            if seen[vertex].aside.low > ask.allowance.aside {
                 1
-            } else if seen[vertex].aside.high < -allowance.aside {
+            } else if seen[vertex].aside.high < -ask.allowance.aside {
                 -1
             } else {
                 0
@@ -335,21 +323,21 @@ impl Shadow {
             for number in faces {
                 let [start, end] = self.ends[number].map(|vertex| seen[vertex]);
                 let reach = hull(start.aside, end.aside);
-                if reach.low > allowance.aside || reach.high < -allowance.aside {
+                if reach.low > ask.allowance.aside || reach.high < -ask.allowance.aside {
                     continue;
                 }
                 if hull(start.along, end.along).low <= 0.0 {
                     return None;
                 }
                 let normal = cell.turned(self.model.faces[number].normal);
-                if incidence(Arc::around(normal.to_angle(), cell.half), line).low < FRAC_PI_2 {
-                    let range = self.face_depth(cell, [start, end], number, line, 0.0, allowance);
+                if incidence(Arc::around(normal.to_angle(), cell.half), ask.line).low < FRAC_PI_2 {
+                    let range = self.face_depth(cell, [start, end], number, 0.0, ask);
                     depth = range.map_or(depth, |range| depth.max(range.high));
                 } else if !self.model.closed {
-                    depth = depth.max(hull(start.along, end.along).high + allowance.depth);
+                    depth = depth.max(hull(start.along, end.along).high + ask.allowance.depth);
                 }
             }
-            depth.is_finite().then_some(depth - sensor.tip_radius)
+            depth.is_finite().then_some(depth - ask.sensor.tip_radius)
         };
         let mut least: Option<f64> = None;
         let mut take = |depth: Option<f64>| {

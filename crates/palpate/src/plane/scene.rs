@@ -6,7 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::arc::wrap;
-use super::outcome::{Allowance, Rules};
+use super::outcome::{Allowance, Question, Rules};
 use super::pose::Pose;
 use super::rays::{Contacted, Line, first_contact};
 use super::shadow::Shadow;
@@ -163,7 +163,8 @@ impl Scene {
         for &member in members {
             let shadow = &self.shadows[member];
             let allowance = Allowance::new(&self.sensor, shadow.model(), margin, margin / self.size);
-            outcomes.push(shadow.outcome(line, &self.sensor, &allowance, self.rules));
+            let (sensor, rules) = (&self.sensor, self.rules);
+            outcomes.push(shadow.outcome(&Question { line, sensor, allowance, rules }));
             if outcomes.last().is_some_and(|outcome| outcome.fault.is_some()) {
                 return Err(outcomes);
             }

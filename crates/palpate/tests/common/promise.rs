@@ -105,6 +105,16 @@ fn simulated(
     (Some(path.reading(sensed, Some(turn.rotate(normal)))), incidence)
 }
 
+/// Whether the path, shifted by its margin, ends before it meets what it would meet if it went on.
+fn too_short(path: &Path, model: &Model, pose: Pose, sensor: &Sensor, random: &mut Rng) -> bool {
+    let aside = (sensor.path_error + path.margin) * [-1.0, 1.0][random.usize(0..2)];
+    let start = path.line.start + aside * path.line.left();
+    let mut endless = path.clone();
+    endless.length *= 10.0;
+    let met = touch(model, pose, start, &endless, sensor.tip_radius);
+    met.is_some_and(|(center, _)| path.line.coordinates(center).0 > path.length - sensor.position_error)
+}
+
 /// Readings of one hypothesis at sampled poses.
 pub fn readings(
     path: &Path,
@@ -118,6 +128,7 @@ pub fn readings(
     let class = path.classes.iter().find(|class| class.contains(&number)).expect("a class");
     for pose in hypothesis.poses.sample(NUM_POSES, random.u64(..)) {
         let (reading, incidence) = simulated(path, &hypothesis.model, pose, sensor, random);
+        counts.broken += u64::from(too_short(path, &hypothesis.model, pose, sensor, random));
         let left = path.outcome_of(reading);
         let apart = |other: &usize| path.outcomes[*other].separated(&path.outcomes[number], sensor);
         let outside = left.iter().any(|other| !class.contains(other) || (*other != number && apart(other)));

@@ -13,7 +13,8 @@ use std::sync::Arc as Shared;
 use rayon::prelude::*;
 
 use super::views::{Frame, Known, Look, View};
-use crate::plan::{Best, PlanSettings};
+use crate::best::Best;
+use crate::plan::PlanSettings;
 use crate::plane::Line;
 use crate::plane::scene::Scene;
 

@@ -17,7 +17,8 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, dvec2};
 
-use crate::plan::{Best, PlanSettings};
+use crate::best::Best;
+use crate::plan::PlanSettings;
 use crate::plane::arc::wrap;
 use crate::plane::pose::Pose;
 use crate::plane::rays::Line;

@@ -13,7 +13,8 @@ use std::f64::consts::PI;
 use glam::DVec2;
 
 use super::whole;
-use crate::plan::{Best, PlanSettings};
+use crate::best::Best;
+use crate::plan::PlanSettings;
 use crate::plane::arc::wrap;
 use crate::plane::pose::Pose;
 use crate::plane::scene::{Scene, directions};

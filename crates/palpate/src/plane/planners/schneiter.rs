@@ -21,7 +21,8 @@ use glam::DVec2;
 
 use super::blocking::Plane;
 use super::whole;
-use crate::plan::{Best, PlanSettings};
+use crate::best::Best;
+use crate::plan::PlanSettings;
 use crate::plane::rays::Line;
 use crate::plane::scene::Scene;
 

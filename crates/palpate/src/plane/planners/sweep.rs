@@ -8,7 +8,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec2;
 
-use crate::plan::{Best, Stop};
+use crate::best::Best;
+use crate::plan::Stop;
 use crate::plane::arc::wrap;
 use crate::plane::model::Surface;
 use crate::plane::scene::{Scene, directions};

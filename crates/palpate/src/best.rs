@@ -1,0 +1,88 @@
+//! The best path so far: to it planners offer lines, and it asks the judge.
+
+use std::cmp::Ordering;
+
+use crate::path::{Path, judged};
+use crate::plan::Stop;
+use crate::plane::{Line, Scene};
+
+/// What makes a path the best.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Aim {
+    /// Its score: pairs that it does not separate.
+    #[default]
+    Score,
+    /// `Σ (size of a class)²`, `n` times the expected size of a branch of the ambiguity tree. No less than the pairs
+    /// that are not separated, so that what bounds these bounds it as well.
+    Branches,
+}
+
+/// The best path so far.
+pub(crate) struct Best<'a> {
+    pub scene: &'a Scene,
+    pub members: &'a [usize],
+    pub path: Option<Path>,
+    pub num_judged: u64,
+    pub aim: Aim,
+    /// What `path` leaves, as the aim counts it.
+    left: usize,
+    /// Lines are judged even if they can't become the best.
+    pub thorough: bool,
+    /// Is told of every line that is judged, whether it can be used or not.
+    pub listener: Option<&'a mut dyn FnMut(&Line)>,
+}
+
+impl<'a> Best<'a> {
+    pub fn new(scene: &'a Scene, members: &'a [usize]) -> Self {
+        Self {
+            scene,
+            members,
+            path: None,
+            num_judged: 0,
+            aim: Aim::Score,
+            left: 0,
+            thorough: false,
+            listener: None,
+        }
+    }
+
+    /// The number of pairs that the best path leaves, as the aim counts them; more than any if there is none.
+    pub fn num_left(&self) -> usize {
+        let n = self.members.len();
+        if self.path.is_some() { self.left } else { n * n + 1 }
+    }
+
+    /// Whether a line that leaves so many pairs at least need not be judged.
+    pub fn hopeless(&self, left: usize) -> bool {
+        !self.thorough && left > self.num_left()
+    }
+
+    /// Judges a line; it becomes the best if it is better.
+    pub fn offer(&mut self, line: &Line) {
+        self.num_judged += 1;
+        if let Some(listener) = &mut self.listener {
+            listener(line);
+        }
+        let Some(verdict) = self.scene.verdict(line, self.members, 0.0) else { return };
+        let left = match self.aim {
+            Aim::Score => verdict.num_left(),
+            Aim::Branches => verdict.classes().iter().map(|class| class.len().pow(2)).sum(),
+        };
+        if left > self.num_left() {
+            return;
+        }
+        let path = judged(self.scene, self.members, line, None);
+        if path.fault.is_some() {
+            return;
+        }
+        let order = |known: &Path| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));
+        if self.path.as_ref().is_none_or(|known| order(known) == Ordering::Less) {
+            self.path = Some(path);
+            self.left = left;
+        }
+    }
+
+    pub fn enough(&self, stop: Stop) -> bool {
+        self.path.as_ref().is_some_and(|path| path.enough(stop, self.scene.margin))
+    }
+}

@@ -1,0 +1,138 @@
+//! Paths, what they would tell, and their order (DESIGN §2).
+
+use std::cmp::Ordering;
+
+use glam::DVec2;
+
+use crate::judge::{Fault, Outcome, Reading, Verdict};
+use crate::plan::Stop;
+use crate::plane::{Line, Scene};
+use crate::sensor::Sensor;
+
+/// A straight guarded move and what it would tell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// Where it starts and how it goes, world frame.
+    pub line: Line,
+    /// How far, past the last possible contact.
+    pub length: f64,
+    /// All that it separates stays separated, and it stays usable, for shifts by this; to an eighth of m, at most 64 m.
+    pub margin: f64,
+    /// `(1/n) Σ_k (hypotheses not separated from k)`.
+    pub score: f64,
+    /// The mean over poses of how many hypotheses their exact readings leave.
+    pub expected_score: f64,
+    /// Branches of the ambiguity tree.
+    pub classes: Vec<Vec<usize>>,
+    /// Hypotheses that it may pass by.
+    pub no_contact: Vec<usize>,
+    /// What each hypothesis can answer.
+    pub outcomes: Vec<Outcome>,
+    /// Why it can't be used, and because of which hypothesis.
+    pub fault: Option<(usize, Fault)>,
+    sensor: Sensor,
+}
+
+impl Path {
+    /// Whether it is certain to tell something: some pair is separated.
+    #[must_use]
+    pub fn guaranteed(&self) -> bool {
+        self.fault.is_none() && self.score < self.outcomes.len() as f64
+    }
+
+    /// The hypotheses that could have given a reading, or, with `None`, a miss.
+    #[must_use]
+    pub fn outcome_of(&self, reading: Option<Reading>) -> Vec<usize> {
+        let answers = |k: &usize| self.outcomes[*k].may_answer(reading, &self.sensor);
+        (0..self.outcomes.len()).filter(answers).collect()
+    }
+
+    /// A sensed centre and normal as the path sees them.
+    #[must_use]
+    pub fn reading(&self, center: DVec2, normal: Option<DVec2>) -> Reading {
+        let (depth, aside) = self.line.coordinates(center);
+        Reading { depth, aside, normal: normal.map(DVec2::to_angle) }
+    }
+
+    /// Hypotheses that it identifies, whichever reading they give.
+    #[must_use]
+    pub fn num_unique(&self) -> usize {
+        self.classes.iter().filter(|class| class.len() == 1).count()
+    }
+
+    /// Whether it is good enough to stop, and keeps what it tells under shifts by m.
+    pub(crate) fn enough(&self, stop: Stop, m: f64) -> bool {
+        let n = self.outcomes.len();
+        let tells = match stop {
+            Stop::Perfect => self.score <= 1.0,
+            Stop::Unique(count) => self.num_unique() >= count.min(n),
+            Stop::Share(share) => self.num_unique() as f64 >= share * n as f64,
+        };
+        tells && self.margin >= m
+    }
+
+    /// The order of paths, best first (DESIGN §2).
+    pub(crate) fn order(&self, other: &Self, m: f64) -> Ordering {
+        let n = self.outcomes.len().max(1) as f64;
+        let rounded = |value: f64, unit: f64| if unit > 0.0 { (value / unit).round() } else { value };
+        let expected = |path: &Self| rounded(path.expected_score, 0.01 * n);
+        self.score
+            .total_cmp(&other.score)
+            .then(expected(self).total_cmp(&expected(other)))
+            .then(rounded(other.margin, m).total_cmp(&rounded(self.margin, m)))
+            .then(self.length.total_cmp(&other.length))
+            .then(self.line.start.x.total_cmp(&other.line.start.x))
+            .then(self.line.start.y.total_cmp(&other.line.start.y))
+            .then(self.line.direction.to_angle().total_cmp(&other.line.direction.to_angle()))
+    }
+}
+
+/// The path along a line among the members.
+///
+/// It is so long that it passes the last possible contact also when shifted by its margin. One of a given length that is
+/// shorter has no margin, and may end before a contact.
+pub(crate) fn judged(scene: &Scene, members: &[usize], line: &Line, length: Option<f64>) -> Path {
+    let mut outcomes = match scene.outcomes(line, members, 0.0) {
+        Ok(outcomes) => outcomes,
+        // All of them, for whoever wants to know.
+        Err(_) => members
+            .iter()
+            .flat_map(|member| match scene.outcomes(line, &[*member], 0.0) {
+                Ok(outcomes) | Err(outcomes) => outcomes,
+            })
+            .collect(),
+    };
+    let endless = Verdict::new(&outcomes, &scene.sensor);
+    let kept = if endless.fault.is_none() { scene.margin_of(line, members, &endless) } else { 0.0 };
+    let at_margin = scene.outcomes(line, members, kept);
+    let needed = last_contact(at_margin.as_ref().unwrap_or(&outcomes))
+        + scene.sensor.position_error
+        + scene.sensor.path_error
+        + scene.margin;
+    let length = length.unwrap_or(needed);
+    let margin = if length >= needed { kept } else { 0.0 };
+    for outcome in &mut outcomes {
+        // A shorter path may end before the contact.
+        outcome.may_miss |= outcome.touches.iter().any(|touch| touch.depth.high >= length);
+        outcome.touches.retain(|touch| touch.depth.low <= length);
+    }
+    let verdict = Verdict::new(&outcomes, &scene.sensor);
+    Path {
+        line: *line,
+        length,
+        margin,
+        score: verdict.score(),
+        expected_score: scene.expected_score(line, members, &outcomes),
+        classes: verdict.classes(),
+        no_contact: (0..outcomes.len()).filter(|k| outcomes[*k].may_miss).collect(),
+        fault: verdict.fault,
+        outcomes,
+        sensor: scene.sensor,
+    }
+}
+
+/// The largest depth at which anything may be touched first.
+fn last_contact(outcomes: &[Outcome]) -> f64 {
+    let depths = outcomes.iter().flat_map(|outcome| &outcome.touches).map(|touch| touch.depth.high);
+    depths.fold(0.0, f64::max)
+}
