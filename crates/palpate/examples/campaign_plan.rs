@@ -27,7 +27,7 @@ const CHUNK: u64 = 8;
 fn main() -> ExitCode {
     let given =
         |k: usize, or: u64| std::env::args().nth(k).map_or(or, |text| text.parse().expect("a number"));
-    let (problems, lines, effort) = (given(1, 1_000), given(2, 200_000), given(3, 100_000));
+    let (problems, lines, effort) = (given(1, 1_000), given(2, 200_000), given(3, 2_000_000));
     let default = "target/figures/campaign_plan.jsonl";
     let path = PathBuf::from(std::env::args().nth(4).unwrap_or_else(|| default.to_owned()));
     let header = json!({ "work": "campaign-plan", "lines": lines, "effort": effort }).to_string();

@@ -17,6 +17,7 @@ mod pose;
 mod pose_set;
 mod rays;
 mod region;
+mod sampling;
 mod scene;
 mod segments;
 mod shadow;

@@ -46,10 +46,24 @@ pub(crate) struct Rules {
 
 /// What is asked of a hypothesis: what this line may meet first, with this sensor.
 pub(crate) struct Question<'a> {
-    pub line: &'a Line,
-    pub sensor: &'a Sensor,
-    pub allowance: Allowance,
-    pub rules: Rules,
+    line: &'a Line,
+    /// Angle of the way back.
+    back: f64,
+    sensor: &'a Sensor,
+    allowance: Allowance,
+    rules: Rules,
+}
+
+impl<'a> Question<'a> {
+    pub fn new(line: &'a Line, sensor: &'a Sensor, allowance: Allowance, rules: Rules) -> Self {
+        Self { line, back: (-line.direction).to_angle(), sensor, allowance, rules }
+    }
+
+    /// Angles between the way back and normals.
+    fn incidence(&self, normals: Arc) -> Range {
+        let away = wrap(normals.middle() - self.back).abs();
+        Range { low: (away - normals.half_width()).max(0.0), high: (away + normals.half_width()).min(PI) }
+    }
 }
 
 /// How far along the line a vertex may be, and how far to the left of it.
@@ -114,11 +128,9 @@ impl Shadow {
             return;
         }
         // In the model's frame, from the middle of the cell, the start moves by no more than `motion`.
-        let y_mid = cell.y_mid();
         let lever = ask.line.start - self.pivot;
-        let spread = cell.corners.iter().map(|(_, y)| y.distance(y_mid)).fold(0.0, f64::max);
-        let motion = spread + 2.0 * (0.5 * cell.half).sin() * lever.length();
-        let at = y_mid + DVec2::from_angle(-cell.mid).rotate(lever);
+        let motion = cell.spread + 2.0 * (0.5 * cell.half).sin() * lever.length();
+        let at = cell.y_mid + cell.turned_back(lever);
         if self.model.signed_distance(at) <= keep + motion {
             outcome.fault = Some(Fault::Start);
         }
@@ -178,8 +190,9 @@ impl Shadow {
         if near.low > reach || near.high < -reach {
             return None;
         }
-        let normals = Arc::around(cell.mid + face.normal.to_angle(), cell.half + ask.allowance.angle);
-        let incidence = incidence(normals, ask.line);
+        let (normal, angle) = cell.normals[number];
+        let normals = Arc::around(angle, cell.half + ask.allowance.angle);
+        let incidence = ask.incidence(normals);
         if incidence.low >= FRAC_PI_2 || (incidence.high >= FRAC_PI_2 && !self.model.closed) {
             // The back of a face: of a closed part it is never met first, of a loose one it is in the way, and the radius
             // moves it to the other side.
@@ -196,8 +209,7 @@ impl Shadow {
             });
         }
         // The radius moves the face to one side.
-        let moved =
-            Range::of_dot(cell.turned(face.normal), ask.line.left(), cell.half).times(ask.sensor.tip_radius);
+        let moved = moved_by(ask.sensor.tip_radius, normal, ask.line.left(), cell.half);
         if near.low + moved.low > ask.allowance.aside || near.high + moved.high < -ask.allowance.aside {
             return None;
         }
@@ -228,21 +240,21 @@ impl Shadow {
         ask: &Question<'_>,
     ) -> Option<Range> {
         let face = &self.model.faces[number];
-        let normal = cell.turned(face.normal);
+        let (normal, angle) = cell.normals[number];
         // How far along the line the radius moves each end: r·(n·u) over the cell.
-        let shift = Range::of_dot(normal, ask.line.direction, cell.half).times(radius);
+        let shift = moved_by(radius, normal, ask.line.direction, cell.half);
         let span = hull(start.along, end.along);
         let extent = Range { low: span.low + shift.low, high: span.high + shift.high };
         // Ends cut off where the path does not reach: only the part of the face within `aside` of the line is met.
-        let incidence = incidence(Arc::around(normal.to_angle(), cell.half), ask.line);
-        if incidence.high >= FRAC_PI_2 - 1e-3 {
+        let incidence = ask.incidence(Arc::around(angle, cell.half));
+        if incidence.high + ask.allowance.angle >= FRAC_PI_2 - 1e-3 {
             return Some(widened(extent, ask.allowance.depth));
         }
         let (slowest, fastest) = (incidence.high.cos(), incidence.low.cos());
         let inner = face.normal.dot(face.start) + radius;
-        let y_mid = cell.y_mid();
         let along_normal = normal.dot(ask.line.direction);
-        let t_mid = (inner - face.normal.dot(y_mid) + normal.dot(self.pivot - ask.line.start)) / along_normal;
+        let t_mid =
+            (inner - face.normal.dot(cell.y_mid) + normal.dot(self.pivot - ask.line.start)) / along_normal;
         let arm = self.pivot - ask.line.at(t_mid);
         let (a, b) = (normal.dot(arm), normal.perp().dot(arm));
         let mut gap = Range { low: f64::INFINITY, high: f64::NEG_INFINITY };
@@ -280,14 +292,13 @@ impl Shadow {
         if low > high {
             return None;
         }
-        let back = (-ask.line.direction).to_angle();
         let (low, high) = (low.asin(), high.asin());
-        let hit = Arc { start: back + low, width: high - low }.widen(ask.allowance.angle);
+        let hit = Arc { start: ask.back + low, width: high - low }.widen(ask.allowance.angle);
         let sticking = cone.turn(cell.mid).widen(cell.half + ask.allowance.angle);
         let parts = hit.intersect(sticking);
         let first = parts.first()?;
         let normals = if parts.len() == 1 { *first } else { hit };
-        let incidence = incidence(normals, ask.line);
+        let incidence = ask.incidence(normals);
         let depth = Range {
             low: along.low - radius * incidence.low.cos() - ask.allowance.depth,
             high: along.high - radius * incidence.high.min(FRAC_PI_2).cos() + ask.allowance.depth,
@@ -329,8 +340,8 @@ impl Shadow {
                 if hull(start.along, end.along).low <= 0.0 {
                     return None;
                 }
-                let normal = cell.turned(self.model.faces[number].normal);
-                if incidence(Arc::around(normal.to_angle(), cell.half), ask.line).low < FRAC_PI_2 {
+                let normals = Arc::around(cell.normals[number].1, cell.half + ask.allowance.angle);
+                if ask.incidence(normals).low < FRAC_PI_2 {
                     let range = self.face_depth(cell, [start, end], number, 0.0, ask);
                     depth = range.map_or(depth, |range| depth.max(range.high));
                 } else if !self.model.closed {
@@ -395,12 +406,6 @@ fn around_both(a: Arc, b: Arc) -> Arc {
     if high - low >= TAU { Arc::FULL } else { Arc { start: a.middle() + low, width: high - low } }
 }
 
-/// Angles between the way back and the normals.
-fn incidence(normals: Arc, line: &Line) -> Range {
-    let away = wrap(normals.middle() - (-line.direction).to_angle()).abs();
-    Range { low: (away - normals.half_width()).max(0.0), high: (away + normals.half_width()).min(PI) }
-}
-
 fn widened(range: Range, by: f64) -> Range {
     Range { low: range.low - by, high: range.high + by }
 }
@@ -409,14 +414,12 @@ fn hull(a: Range, b: Range) -> Range {
     Range { low: a.low.min(b.low), high: a.high.max(b.high) }
 }
 
-impl Range {
-    /// The scalar product of two unit vectors, the first of which turns by up to `half`.
-    fn of_dot(a: DVec2, b: DVec2, half: f64) -> Self {
-        let angle = wrap(a.to_angle() - b.to_angle()).abs();
-        Self { low: (angle + half).min(PI).cos(), high: (angle - half).max(0.0).cos() }
+/// How far a radius moves a face along `direction`: as its normal, which turns by up to `half`, has it.
+fn moved_by(radius: f64, normal: DVec2, direction: DVec2, half: f64) -> Range {
+    if radius == 0.0 {
+        return Range { low: 0.0, high: 0.0 };
     }
-
-    fn times(self, factor: f64) -> Self {
-        Self { low: factor * self.low, high: factor * self.high }
-    }
+    let angle = wrap(normal.to_angle() - direction.to_angle()).abs();
+    let cosine = |angle: f64| radius * angle.cos();
+    Range { low: cosine((angle + half).min(PI)), high: cosine((angle - half).max(0.0)) }
 }

@@ -86,8 +86,8 @@ pub(crate) fn explains(
 /// Lengths in the model's unit, angles in radians.
 #[derive(Debug, Clone)]
 pub struct PoseSet {
-    case: Shared<Case>,
-    pieces: Shared<Vec<Piece>>,
+    pub(super) case: Shared<Case>,
+    pub(super) pieces: Shared<Vec<Piece>>,
     symmetric: bool,
     best: Shared<OnceLock<Pose>>,
 }
@@ -208,63 +208,6 @@ impl PoseSet {
                 None => low = share,
             }
         }
-    }
-
-    /// `n` valid poses, spread over the set; the same for the same seed.
-    #[must_use]
-    pub fn sample(&self, n: usize, seed: u64) -> Vec<Pose> {
-        let mut random = fastrand::Rng::with_seed(seed);
-        let cells: Vec<(&Piece, &Cell)> = self
-            .pieces
-            .iter()
-            .filter(|piece| piece.witness.is_some())
-            .flat_map(|piece| piece.cells.iter().map(move |cell| (piece, cell)))
-            .collect();
-        let mut total = 0.0;
-        let cumulated: Vec<f64> = cells
-            .iter()
-            .map(|(_, cell)| {
-                let half = cell.y_half() + self.case.length_tolerance;
-                total += (cell.rotations().width + self.case.angle_tolerance) * half.x * half.y;
-                total
-            })
-            .collect();
-        let draw = |_| {
-            let at = random.f64() * total;
-            let chosen = cumulated.partition_point(|sum| *sum < at).min(cells.len().saturating_sub(1));
-            let pose = cells.get(chosen).map(|(piece, cell)| self.draw(piece, cell, &mut random));
-            pose.map_or_else(|| self.witness(), |pose| self.case.pose(pose))
-        };
-        (0..n).map(draw).collect()
-    }
-
-    /// A valid pose of the piece, near a random point of the cell.
-    ///
-    /// Random weights on the corners reach all of the cell; if the point is not valid it is drawn toward the witness,
-    /// which is.
-    fn draw(&self, piece: &Piece, cell: &Cell, random: &mut fastrand::Rng) -> PivotPose {
-        let witness =
-            piece.witness.map_or(PivotPose { angle: cell.mid, y: cell.y_mid() }, |found| found.pose);
-        let valid = |pose: PivotPose| {
-            piece.satisfied(&self.case, pose, self.case.length_tolerance, self.case.angle_tolerance)
-        };
-        let mut pose = witness;
-        for _ in 0..24 {
-            pose = random_pose(cell, random);
-            if valid(pose) {
-                return pose;
-            }
-        }
-        for _ in 0..40 {
-            pose = PivotPose {
-                angle: witness.angle + 0.7 * wrap(pose.angle - witness.angle),
-                y: witness.y + 0.7 * (pose.y - witness.y),
-            };
-            if valid(pose) {
-                return pose;
-            }
-        }
-        witness
     }
 
     /// The thesis's own pose and bounds of its first assignment; `None` where they are not defined: contacts on vertices
@@ -468,25 +411,4 @@ fn merge(arcs: Vec<Arc>) -> Vec<Arc> {
         merged.push(arc);
     }
     merged
-}
-
-fn random_pose(cell: &Cell, random: &mut fastrand::Rng) -> PivotPose {
-    let corners: arrayvec::ArrayVec<(f64, DVec2), 128> = cell.corners().take(128).collect();
-    if corners.is_empty() {
-        let mut side = || 2.0 * random.f64() - 1.0;
-        let angle = cell.mid + cell.half * side();
-        let y = cell.y_mid() + cell.y_half() * DVec2::new(side(), side());
-        return PivotPose { angle, y };
-    }
-    // Every point is a mixture of four corners (Carathéodory); of all of them, mixtures crowd in the middle.
-    let mut total = 0.0;
-    let (mut s, mut y) = (0.0, DVec2::ZERO);
-    for _ in 0..4 {
-        let (corner_s, corner_y) = corners[random.usize(0..corners.len())];
-        let weight = -(1.0 - random.f64()).ln();
-        total += weight;
-        s += weight * corner_s;
-        y += weight * corner_y;
-    }
-    cell.pose(s / total, y / total)
 }

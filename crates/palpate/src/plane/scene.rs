@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::arc::wrap;
 use super::outcome::{Allowance, Question, Rules};
 use super::pose::Pose;
+use super::pose_set::PoseSet;
 use super::rays::{Contacted, Line, first_contact};
 use super::shadow::Shadow;
 use super::thesis::Placement;
@@ -18,6 +19,9 @@ use crate::sensor::Sensor;
 
 /// Poses of each hypothesis from which planners look, the one with the largest slack first.
 const NUM_VIEWS: usize = 8;
+
+/// Poses of each hypothesis from which `complete` looks, at most.
+const MANY_VIEWS: usize = 12;
 
 /// They are chosen, far from each other, among so many samples.
 const NUM_SAMPLED: usize = 48;
@@ -34,6 +38,7 @@ pub(crate) struct Scene {
     /// Where the thesis places each.
     pub placements: Vec<Placement>,
     samples: Vec<Vec<Pose>>,
+    poses: Vec<PoseSet>,
     pub sensor: Sensor,
     pub rules: Rules,
     /// m: paths that keep what they tell under shifts by it are wanted.
@@ -70,7 +75,7 @@ impl Scene {
         let (mut shadows, mut views, mut samples) = (Vec::new(), Vec::new(), Vec::new());
         let mut placements = Vec::new();
         for ((shadow, sampled), one) in parts.into_iter().zip(hypotheses) {
-            let looked_from = spread(one.poses.witness(), &sampled, &shadow);
+            let looked_from = spread(one.poses.witness(), &sampled, &shadow, NUM_VIEWS);
             placements.push(Placement::new(&one.poses, &looked_from));
             views.push(looked_from);
             samples.push(sampled.into_iter().take(NUM_EXPECTED).collect());
@@ -83,6 +88,7 @@ impl Scene {
             views,
             placements,
             samples,
+            poses: hypotheses.iter().map(|one| one.poses.clone()).collect(),
             sensor: *sensor,
             rules,
             margin,
@@ -92,6 +98,14 @@ impl Scene {
             workspace,
             directions,
         }
+    }
+
+    /// The views of a member, and poses at the extremes of its set.
+    pub fn many_views(&self, member: usize) -> Vec<Pose> {
+        let views = &self.views[member];
+        let mut others = self.poses[member].extremes();
+        others.extend(&views[1..]);
+        spread(views[0], &others, &self.shadows[member], MANY_VIEWS)
     }
 
     /// Every hypothesis.
@@ -161,15 +175,48 @@ impl Scene {
     ) -> Result<Vec<Outcome>, Vec<Outcome>> {
         let mut outcomes = Vec::with_capacity(members.len());
         for &member in members {
-            let shadow = &self.shadows[member];
-            let allowance = Allowance::new(&self.sensor, shadow.model(), margin, margin / self.size);
-            let (sensor, rules) = (&self.sensor, self.rules);
-            outcomes.push(shadow.outcome(&Question { line, sensor, allowance, rules }));
+            outcomes.push(self.outcome(line, member, margin));
             if outcomes.last().is_some_and(|outcome| outcome.fault.is_some()) {
                 return Err(outcomes);
             }
         }
         Ok(outcomes)
+    }
+
+    fn outcome(&self, line: &Line, member: usize, margin: f64) -> Outcome {
+        let shadow = &self.shadows[member];
+        let allowance = Allowance::new(&self.sensor, shadow.model(), margin, margin / self.size);
+        shadow.outcome(&Question::new(line, &self.sensor, allowance, self.rules))
+    }
+
+    /// Whether a line can be used and leaves fewer than so many pairs of members; `joined` says of two places in `members`
+    /// whether they are known to be left. As the verdict would say, but no longer than needed.
+    pub fn leaves_fewer(
+        &self,
+        line: &Line,
+        members: &[usize],
+        enough: usize,
+        joined: impl Fn(usize, usize) -> bool,
+    ) -> bool {
+        let mut outcomes: Vec<Outcome> = Vec::with_capacity(members.len());
+        let known = (0..members.len()).map(|k| (0..k).filter(|j| joined(*j, k)).count()).sum::<usize>();
+        let mut left = members.len() + 2 * known;
+        for (k, &member) in members.iter().enumerate() {
+            let outcome = self.outcome(line, member, 0.0);
+            if outcome.fault.is_some() {
+                return false;
+            }
+            for (j, other) in outcomes.iter().enumerate() {
+                if !joined(j, k) && !other.separated(&outcome, &self.sensor) {
+                    left += 2;
+                }
+            }
+            if left >= enough {
+                return false;
+            }
+            outcomes.push(outcome);
+        }
+        true
     }
 
     /// The verdict on a line among the members; `None` if it can't be used.
@@ -222,7 +269,7 @@ impl Scene {
 }
 
 /// Some of the poses, each as far as possible from those before, as the parts' extremes move.
-fn spread(first: Pose, sampled: &[Pose], shadow: &Shadow) -> Vec<Pose> {
+fn spread(first: Pose, sampled: &[Pose], shadow: &Shadow, count: usize) -> Vec<Pose> {
     let size = shadow.model().size;
     let apart = |a: &Pose, b: &Pose| {
         let ends = [DVec2::ZERO, DVec2::new(size, 0.0), DVec2::new(0.0, size)];
@@ -230,7 +277,7 @@ fn spread(first: Pose, sampled: &[Pose], shadow: &Shadow) -> Vec<Pose> {
     };
     let mut chosen = vec![first];
     let mut distances: Vec<f64> = sampled.iter().map(|pose| apart(pose, &first)).collect();
-    while chosen.len() < NUM_VIEWS {
+    while chosen.len() < count {
         let Some((k, far)) = distances.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else { break };
         if *far <= 0.0 {
             break;

@@ -21,8 +21,15 @@ pub(crate) struct Spot {
 /// A cell of poses, made ready for lines.
 #[derive(Debug)]
 pub(crate) struct PlacedCell {
-    pub mid: f64,
     pub half: f64,
+    /// Normals of the faces as the middle of the cell turns them, and their angles.
+    pub normals: Vec<(DVec2, f64)>,
+    /// The rotation in the middle of the cell, and what it does to a vector.
+    pub mid: f64,
+    turn: DVec2,
+    /// The middle of the pivot points, and how far they are from it.
+    pub y_mid: DVec2,
+    pub spread: f64,
     /// The corners of the cell as `(s, y)`.
     pub corners: Vec<(f64, DVec2)>,
     /// `cos d` over the cell is within `rho` of `mu`.
@@ -93,9 +100,14 @@ impl PlacedCell {
             let ys = [low, DVec2::new(low.x, high.y), high, DVec2::new(high.x, low.y)];
             corners = ys.into_iter().flat_map(|y| [(-sine, y), (sine, y)]).collect();
         }
-        let mut placed = Self { mid: cell.mid, half, corners, mu, rho, spots: Vec::new() };
-        let (y_mid, sine) = (placed.y_mid(), half.min(FRAC_PI_2).sin());
-        let spread = placed.corners.iter().map(|(_, y)| y.distance(y_mid)).fold(0.0, f64::max);
+        let y_mid = middle_of(&corners);
+        let spread = corners.iter().map(|(_, y)| y.distance(y_mid)).fold(0.0, f64::max);
+        let turn = DVec2::from_angle(cell.mid);
+        let normal = |face: &Face| (turn.rotate(face.normal), cell.mid + face.normal.to_angle());
+        let normals = model.faces.iter().map(normal).collect();
+        let (mid, spots) = (cell.mid, Vec::new());
+        let mut placed = Self { half, normals, mid, turn, y_mid, spread, corners, mu, rho, spots };
+        let sine = half.min(FRAC_PI_2).sin();
         for vertex in &model.vertices {
             let at = |(s, y): &(f64, DVec2)| {
                 let model_offset = mu * (vertex.point - *y) + *s * (vertex.point - y_mid).perp();
@@ -112,15 +124,22 @@ impl PlacedCell {
 
     /// A model direction as the middle of the cell turns it.
     pub fn turned(&self, direction: DVec2) -> DVec2 {
-        DVec2::from_angle(self.mid).rotate(direction)
+        self.turn.rotate(direction)
     }
 
-    pub fn y_mid(&self) -> DVec2 {
-        let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let (low, high) = self.corners.iter().fold(start, |(low, high), (_, y)| (low.min(*y), high.max(*y)));
-        0.5 * (low + high)
+    /// A world direction in the model's frame, at the middle of the cell.
+    pub fn turned_back(&self, direction: DVec2) -> DVec2 {
+        DVec2::new(self.turn.x, -self.turn.y).rotate(direction)
     }
 }
+
+/// The middle of a box around the pivot points of some corners.
+fn middle_of(corners: &[(f64, DVec2)]) -> DVec2 {
+    let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let (low, high) = corners.iter().fold(start, |(low, high), (_, y)| (low.min(*y), high.max(*y)));
+    0.5 * (low + high)
+}
+
 /// Corners of the convex hull (Andrew's chains). Rounding may keep a point too many, or leave one out by a rounding
 /// error, which `outward` covers.
 pub(crate) fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {

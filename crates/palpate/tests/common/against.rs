@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use fastrand::Rng;
 use palpate::plan::Prepared;
-use palpate::{Path, Plan, PlanSettings, plan};
+use palpate::{Path, Plan, PlanSettings, Planner, plan};
 use serde_json::{Value, json};
 
 use crate::common::uniform;
@@ -14,6 +14,9 @@ use crate::planning::{Case, PLANNERS};
 
 /// Scores are whole numbers over n.
 const ROUNDING: f64 = 1e-9;
+
+/// Lines that the planners of the thesis may judge.
+const MOST_JUDGED: u64 = 100_000;
 
 /// A path that `complete` should have been as good as.
 #[derive(Debug)]
@@ -39,9 +42,10 @@ pub fn score(case: &Case, plan: &Plan) -> f64 {
     plan.path.as_ref().map_or(case.hypotheses.len() as f64 + 1.0, |path| path.score)
 }
 
-/// `complete` against the others, and against so many random lines.
+/// `complete`, with so many boxes, against the others and against so many random lines.
 pub fn against(case: &Case, number: u64, num_lines: u64, effort: u64) -> Outcome {
     let mut plans = PLANNERS.iter().map(|(_, planner)| {
+        let effort = if *planner == Planner::Complete { effort } else { effort.min(MOST_JUDGED) };
         let settings = PlanSettings { planner: *planner, effort, ..case.settings };
         plan(&case.hypotheses, &case.sensor, &settings).expect("good settings")
     });

@@ -12,7 +12,7 @@ use std::sync::Arc as Shared;
 
 use rayon::prelude::*;
 
-use super::views::{Frame, Known, Look, View};
+use super::views::{Frame, Known, Look, Relation, View};
 use crate::best::Best;
 use crate::plan::PlanSettings;
 use crate::plane::Line;
@@ -26,6 +26,12 @@ const SMALLEST: f64 = 0.9;
 
 /// Boxes that are looked at together.
 const BATCH: usize = 256;
+
+/// A box is coarse if its lines differ by more than this share of what the poses do: few views say as much as many.
+const COARSE: f64 = 0.3;
+
+/// Views of every member that are looked at from a coarse box.
+const COARSE_VIEWS: usize = 2;
 
 /// What was proved.
 pub(crate) struct Proof {
@@ -46,18 +52,44 @@ pub(crate) struct Lines {
     /// Pairs that every line of it leaves at least.
     left: usize,
     number: u64,
-    /// What the box around it has shown of each view; empty: nothing.
-    known: Shared<[Known]>,
+    /// What the box around it has shown.
+    shown: Shared<Shown>,
+}
+
+/// Of each member, the one with the largest slack first.
+struct Views {
+    of: Vec<Vec<View>>,
+    /// By how much they move a corner of a part, in the mean over members.
+    extent: f64,
+}
+
+impl Views {
+    fn new(scene: &Scene, members: &[usize]) -> Self {
+        let of_member = |member: &usize| -> Vec<View> {
+            scene.many_views(*member).iter().map(|pose| View::new(scene, *member, *pose)).collect()
+        };
+        let of: Vec<Vec<View>> = members.iter().map(of_member).collect();
+        let extent =
+            |views: &Vec<View>| views.iter().map(|view| view.moved_from(&views[0])).fold(0.0, f64::max);
+        let extent = of.iter().map(extent).sum::<f64>() / of.len() as f64;
+        Self { of, extent }
+    }
+}
+
+/// What is true of every line of a box, and so of its halves.
+#[derive(Debug, Default)]
+struct Shown {
+    /// Of each view of each member; empty: nothing.
+    known: Vec<Known>,
+    /// Of pairs of members, the larger place first; empty: nothing.
+    relations: Vec<Relation>,
 }
 
 /// Searches all lines for one that is better than `best`.
 pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> Proof {
     let scene = best.scene;
     let members = best.members;
-    let views: Vec<Vec<View>> = members
-        .iter()
-        .map(|member| scene.views[*member].iter().map(|pose| View::new(scene, *member, *pose)).collect())
-        .collect();
+    let views = Views::new(scene, members);
     let mut open = first_boxes(scene, members.len());
     let mut next_number = open.len() as u64;
     let mut num_boxes = 0;
@@ -80,10 +112,10 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
             match found {
                 Found::Nothing => {}
                 Found::Line(line) => best.offer(&line),
-                Found::AtLeast(left, known) => {
+                Found::AtLeast(left, shown) => {
                     for part in lines.halves(scene) {
-                        let known = Shared::clone(&known);
-                        open.push(Lines { left, number: next_number, known, ..part });
+                        let shown = Shared::clone(&shown);
+                        open.push(Lines { left, number: next_number, shown, ..part });
                         next_number += 1;
                     }
                 }
@@ -99,22 +131,22 @@ enum Found {
     /// Its middle, as good as any line of margin ≥ m in it.
     Line(Line),
     /// Lines that leave so much, at least; and what they may meet.
-    AtLeast(usize, Shared<[Known]>),
+    AtLeast(usize, Shared<Shown>),
 }
 
-fn examine(scene: &Scene, members: &[usize], views: &[Vec<View>], lines: &Lines, enough: usize) -> Found {
+fn examine(scene: &Scene, members: &[usize], views: &Views, lines: &Lines, enough: usize) -> Found {
     if lines.left >= enough || !scene.allowed(lines.angle, lines.half) {
         return Found::Nothing;
     }
-    let Some((left, known)) = least_left(scene, views, lines, enough) else { return Found::Nothing };
-    let left = left.max(lines.left);
+    let Some((left, shown)) = least_left(scene, views, lines, enough) else { return Found::Nothing };
     if left >= enough {
         return Found::Nothing;
     }
     if !lines.is_smallest(scene) {
-        return Found::AtLeast(left, known);
+        return Found::AtLeast(left, Shared::new(shown));
     }
-    let better = |line: &Line| scene.verdict(line, members, 0.0).is_some_and(|one| one.num_left() < enough);
+    let joined = |j: usize, k: usize| shown.relations[k * members.len() + j] == Relation::Joined;
+    let better = |line: &Line| scene.leaves_fewer(line, members, enough, joined);
     scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
 }
 
@@ -130,7 +162,7 @@ fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<Lines> {
             reach: scene.radius,
             left,
             number: u64::from(k),
-            known: Shared::default(),
+            shown: Shared::default(),
         }
     };
     (0..FIRST_DIRECTIONS).map(interval).collect()
@@ -160,35 +192,41 @@ impl Lines {
     }
 }
 
-/// Pairs that every usable line of the box leaves at least, or `enough`, and what is then known of each view; `None` if no
-/// line of it can be used.
-fn least_left(
-    scene: &Scene,
-    views: &[Vec<View>],
-    lines: &Lines,
-    enough: usize,
-) -> Option<(usize, Shared<[Known]>)> {
+/// Pairs that every usable line of the box leaves at least, or `enough`, and what is then known of it; `None` if no line of
+/// it can be used.
+fn least_left(scene: &Scene, views: &Views, lines: &Lines, enough: usize) -> Option<(usize, Shown)> {
     let frame = Frame::new(scene, lines);
-    let most = views.iter().map(Vec::len).max().unwrap_or(0);
-    let mut looks: Vec<Look> = views.iter().map(|_| Look::default()).collect();
-    let mut joined = vec![false; views.len() * views.len()];
-    let mut known = vec![Known::Nothing; views.len() * most];
-    let mut left = views.len();
-    for number in 0..most {
-        for (k, of_member) in views.iter().enumerate() {
+    let most = views.of.iter().map(Vec::len).max().unwrap_or(0);
+    let mut looks: Vec<Look> = views.of.iter().map(|_| Look::default()).collect();
+    let mut known = vec![Known::Nothing; views.of.len() * most];
+    let mut relations = lines.shown.relations.clone();
+    relations.resize(views.of.len() * views.of.len(), Relation::Open);
+    let mut left = views.of.len() + 2 * relations.iter().filter(|one| **one == Relation::Joined).count();
+    let mut apart = vec![true; relations.len()];
+    let is_coarse = lines.motion(scene.radius) > COARSE * views.extent;
+    let count = if is_coarse { most.min(COARSE_VIEWS) } else { most };
+    for number in 0..count {
+        for (k, of_member) in views.of.iter().enumerate() {
             let Some(view) = of_member.get(number) else { continue };
             let place = k * most + number;
-            let glance = view.glance(&frame, lines.known.get(place));
+            let glance = view.glance(&frame, lines.shown.known.get(place));
             if glance.skids(&frame) {
                 return None;
             }
-            for (j, other) in looks.iter().enumerate() {
-                let pair = k.max(j) * views.len() + k.min(j);
-                if j != k && other.holds_alike(&glance, &frame) && !std::mem::replace(&mut joined[pair], true)
-                {
-                    left += 2;
-                    if left >= enough {
-                        return Some((left, Shared::default()));
+            for (j, other) in looks.iter().enumerate().filter(|(j, _)| *j != k) {
+                let pair = k.max(j) * views.of.len() + k.min(j);
+                if relations[pair] != Relation::Open {
+                    continue;
+                }
+                match other.relation(&glance, &frame) {
+                    Relation::Apart => {}
+                    Relation::Open => apart[pair] = false,
+                    Relation::Joined => {
+                        relations[pair] = Relation::Joined;
+                        left += 2;
+                        if left >= enough {
+                            return Some((left, Shown::default()));
+                        }
                     }
                 }
             }
@@ -196,7 +234,12 @@ fn least_left(
             looks[k].add(glance);
         }
     }
-    Some((left, known.into()))
+    for (relation, apart) in relations.iter_mut().zip(apart) {
+        if apart && !is_coarse && *relation == Relation::Open {
+            *relation = Relation::Apart;
+        }
+    }
+    Some((left, Shown { known, relations }))
 }
 
 impl PartialEq for Lines {

@@ -21,6 +21,17 @@ pub(crate) enum Known {
     Faces(ArrayVec<u16, MOST_MET>),
 }
 
+/// What the views of two members say on every line of a box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Relation {
+    #[default]
+    Open,
+    /// Not told apart by any line of margin ≥ m.
+    Joined,
+    /// No view of one can be shown to be like one of the other, on these lines or on some of them.
+    Apart,
+}
+
 /// A part at one pose, from the middle of the scene.
 pub(crate) struct View {
     closed: bool,
@@ -124,14 +135,18 @@ impl<'a> Frame<'a> {
         self.reach + self.chord * reach
     }
 
-    /// Whether on every line of the box the readings may be the same, were each wrong by its bounds and by m.
+    /// Whether on some line of the box they may be.
+    fn may_be_alike(&self, a: &Meeting, b: &Meeting) -> bool {
+        a.normal.dot(b.normal) >= self.alike_cosine
+            && a.depth.low - b.depth.high <= self.alike_depth
+            && b.depth.low - a.depth.high <= self.alike_depth
+    }
+
+    /// Whether on every line of the box the readings, which may be the same on some, are so, were each wrong by its bounds and by m.
     ///
     /// Depths of faces that are nearly parallel differ by nearly the same on all lines: with the incidence i and the
     /// depth t, ∂t/∂s = tan i and ∂t/∂φ = s − t tan i up to sign, and tan i − tan j = sin(i − j) / (cos i cos j).
     fn alike(&self, a: &Meeting, b: &Meeting) -> bool {
-        if a.normal.dot(b.normal) < self.alike_cosine {
-            return false;
-        }
         if (a.depth.high - b.depth.low).max(b.depth.high - a.depth.low) <= self.alike_depth {
             return true;
         }
@@ -156,13 +171,19 @@ impl<'a> Frame<'a> {
 pub(crate) struct Look {
     met: Vec<Meetings>,
     missed: bool,
+    unsure: bool,
     /// Around the depths of all.
     depths: Range,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { met: Vec::new(), missed: false, depths: Range { low: f64::INFINITY, high: f64::NEG_INFINITY } }
+        Self {
+            met: Vec::new(),
+            missed: false,
+            unsure: false,
+            depths: Range { low: f64::INFINITY, high: f64::NEG_INFINITY },
+        }
     }
 }
 
@@ -177,26 +198,47 @@ impl Look {
                 self.met.push(met);
             }
             Glance::Missed => self.missed = true,
-            Glance::Unsure => {}
+            Glance::Unsure => self.unsure = true,
         }
     }
 
-    /// Whether on every line of the box the reading of some view may be that of the glance, either wrong by its bounds and
-    /// by m.
-    pub fn holds_alike(&self, glance: &Glance, frame: &Frame<'_>) -> bool {
+    /// What the views so far and one more say of the two members on every line of the box.
+    pub fn relation(&self, glance: &Glance, frame: &Frame<'_>) -> Relation {
         match glance {
-            Glance::Unsure => false,
-            Glance::Missed => self.missed,
+            Glance::Unsure => Relation::Open,
+            Glance::Missed if self.missed => Relation::Joined,
+            Glance::Missed => self.or_open(Relation::Apart),
             Glance::Met(met) => {
                 let near = |Meeting { depth, .. }: &Meeting| {
                     depth.low - self.depths.high <= frame.alike_depth
                         && self.depths.low - depth.high <= frame.alike_depth
                 };
-                let all_alike =
-                    |other: &Meetings| met.iter().all(|a| other.iter().all(|b| frame.alike(a, b)));
-                met.iter().all(near) && self.met.iter().any(all_alike)
+                if !met.iter().any(near) {
+                    return self.or_open(Relation::Apart);
+                }
+                let mut relation = Relation::Apart;
+                for others in &self.met {
+                    let mut all = true;
+                    for (a, b) in met.iter().flat_map(|a| others.iter().map(move |b| (a, b))) {
+                        if frame.may_be_alike(a, b) {
+                            relation = Relation::Open;
+                            all = all && frame.alike(a, b);
+                        } else {
+                            all = false;
+                        }
+                    }
+                    if all {
+                        return Relation::Joined;
+                    }
+                }
+                self.or_open(relation)
             }
         }
+    }
+
+    /// A view of which nothing is certain leaves the relation open.
+    fn or_open(&self, relation: Relation) -> Relation {
+        if self.unsure { Relation::Open } else { relation }
     }
 }
 
@@ -217,6 +259,12 @@ impl View {
         let radius = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
         let corners = corners.into_iter().map(|corner| (corner, corner.length())).collect();
         Self { closed: model.closed, middle, radius, faces, corners }
+    }
+
+    /// How far a corner is from where another view of the part has it, at most.
+    pub fn moved_from(&self, other: &Self) -> f64 {
+        let pairs = self.corners.iter().zip(&other.corners);
+        pairs.map(|((here, _), (there, _))| here.distance(*there)).fold(0.0, f64::max)
     }
 
     /// What lines of the box may meet first, if the box around it has shown `known`. A closed part is met at one of the
