@@ -13,6 +13,7 @@ from ._core import AmbiguityBranch as AmbiguityBranch
 from ._core import AmbiguityNode as AmbiguityNode
 from ._core import AmbiguityTree as AmbiguityTree
 from ._core import Contact as Contact
+from ._core import FirstContact as FirstContact
 from ._core import Hypothesis as Hypothesis
 from ._core import Interpretation as Interpretation
 from ._core import Interpretations as Interpretations
