@@ -1,4 +1,4 @@
-"""The first contacts: a binary subdivision of the workspace, or places drawn at random from a model (thesis 4.1, 4.2)."""
+"""The first contacts: binary subdivision of the workspace, or random places of a model (thesis 4.1, 4.2)."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class Scan:
     start: Array
     end: Array
     width: float
-    """Any part of this width that is inside of the workspace is met by one of the scans up to this subdivision."""
+    """Any part of this width inside of the workspace is met by one of the scans up to this subdivision."""
 
 
 class Scans:
-    """Scans from the perimeter: at the middle in x, then in y, both again from the other side, then at the quarters, and so on.
+    """Scans from the perimeter: at the middle in x, in y, both from the other side, then at the quarters, ...
 
     What was passed from one side, nothing touched, is not scanned from the other.
     """
@@ -81,7 +81,7 @@ class Scans:
 
 
 def independent(contacts: Sequence[Contact]) -> bool:
-    """Whether two normals are apart by more than their errors and 15°, and not opposite either: they fix a pose (4.1)."""
+    """Whether two normals are further than their errors and 15° from parallel and from opposite (4.1)."""
     sensed = [
         (c.normal, c.normal_error) for c in contacts if c.normal is not None and c.normal_error is not None
     ]
@@ -102,8 +102,10 @@ def enough(contacts: Sequence[Contact], sensor: Sensor, blind: int | None) -> bo
 
 
 def smallest_width(models: Sequence[Model]) -> float:
-    """The least distance of two parallel lines that hold a model between them, of all models; of a part that is as good as
-    a line, a share of its length."""
+    """The least distance of two parallel lines that hold a model between them; of all models.
+
+    A part that is as good as a line counts as having a share of its length.
+    """
     return min(max(_width(model.vertices), model.size / THINNEST) for model in models)
 
 
@@ -116,10 +118,10 @@ def random_contacts(
     seed: int = 0,
     noise: Noise = "uniform",
 ) -> list[Contact]:
-    """Contacts at random places of the faces of a placed part (4.2): for simulation, whether a probe could get there or not.
+    """Contacts at random places of a placed part's faces, for simulation: a probe need not get there (4.2).
 
-    The places are uniform over the outline. Two of the normals are independent, if the sensor reads them and the part has
-    such faces.
+    The places are uniform over the outline. Two of the normals are independent, if the sensor reads them and
+    the part has such faces.
 
     Args:
         model: The true part.
@@ -145,7 +147,9 @@ def random_contacts(
         chosen = random.choice(len(touchable), size=count, p=lengths / lengths.sum())
         places = [(touchable[k], random.uniform()) for k in chosen]
         contacts = [
-            _contact_at(model, world_from_model, sensor, face, share, [seed, attempt, k], noise)
+            _contact_at(
+                model, world_from_model, sensor, face=face, share=share, seeds=[seed, attempt, k], noise=noise
+            )
             for k, (face, share) in enumerate(places)
         ]
         if count < 2 or sensor.normal_error is None or independent(contacts):
@@ -157,6 +161,7 @@ def _contact_at(
     model: Model,
     world_from_model: ArrayLike,
     sensor: Sensor,
+    *,
     face: int,
     share: float,
     seeds: list[int],

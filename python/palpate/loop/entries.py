@@ -110,7 +110,7 @@ def reply_event(reply: Reply | None) -> Event:
         case Fault():
             return {"event": "reply", "kind": "fault", "reason": str(reply.reason)}
     raise ValueError(
-        f"probe: answered {reply!r}; it must answer Hit, Miss, Skid, AlreadyTouching, UnexpectedTouch or Fault"
+        f"probe: answered {reply!r}; answer Hit, Miss, Skid, AlreadyTouching, UnexpectedTouch or Fault"
     )
 
 

@@ -19,7 +19,7 @@ from palpate.probe import Probe
 from palpate.probe.simulated import point_of
 
 
-def identify(
+def identify(  # noqa: PLR0917 - the four that every call has
     models: Sequence[Model],
     probe: Probe,
     sensor: Sensor,
@@ -45,27 +45,28 @@ def identify(
     resume: bool = False,
     told: Callable[[Step], None] | None = None,
 ) -> Result:
-    """Find out by touch which part it is and where: until one hypothesis is left, or until no path tells (4.1).
+    """Find out by touch which part it is and where: until one hypothesis is left, or no path tells (4.1).
 
-    First contacts come from a binary subdivision of the workspace, until two normals are independent (4.1). Then, so long as
-    several hypotheses are left, the tip goes along the path that tells them apart best, and all is recognized anew with what it
-    touched, what it missed and what it swept. It goes on while a path is certain to tell some apart, else while an untried
-    one is expected to leave fewer than n - 0.05 of n.
+    First contacts come from a binary subdivision of the workspace, until two normals are independent (4.1).
+    Then, so long as several hypotheses are left, the tip goes along the path that tells them apart best, and
+    all is recognized anew with what it touched, what it missed and what it swept. It goes on while a path is
+    certain to tell some apart, else while an untried one is expected to leave fewer than n - 0.05 of n.
 
-    If all readings are within their bounds, no touch of the workspace's perimeter is possible and the true part is among the
-    models, then the truth is among the hypotheses that are left, whatever the status. Same input, seed and replies: same run,
-    unless `time_limit` cuts the planning short.
+    If all readings are within their bounds, no touch of the workspace's perimeter is possible and the true
+    part is among the models, then the truth is among the hypotheses that are left, whatever the status. Same
+    input, seed and replies: same run, unless `time_limit` cuts the planning short.
 
     Args:
         models: The parts that it may be. Their unit is that of all lengths.
         probe: What moves and touches; `SimulatedProbe`, or your own `Probe`.
         sensor: Bounds of its readings, for planning; each contact brings its own for recognition.
-        workspace: Two opposite corners, shape `(2, 2)`, world frame. Its perimeter is free for the tip, and the part is within.
+        workspace: Two opposite corners, shape `(2, 2)`, world frame. Its perimeter is free for the tip, and
+            the part is within.
         prior: What is known of the pose beforehand.
         contacts: What was touched before; nothing is acquired then, unless `blind` asks for more.
         misses: What was missed before.
-        blind: Go on with blind scans until so many contacts (with a normal, if the sensor reads them) are had. None: until two
-            normals are independent, or, without normals, until there are four contacts.
+        blind: Go on with blind scans until so many contacts (with a normal, if the sensor reads them) are
+            had. None: until two normals are independent, or, without normals, until there are four contacts.
         planner: As for `plan`; the same for `stop`, `directions`, `margin`, `effort` and `features`.
         stop: As for `plan`.
         directions: As for `plan`; it holds for scans too.
@@ -75,8 +76,8 @@ def identify(
         features: As for `plan` and `recognize`.
         max_touches: So many guarded moves are made at most.
         max_hypotheses: As for `recognize`. Where there are more, blind scans go on.
-        until: A length and an angle: the last hypothesis is touched where it was not yet, until no two of its poses move a
-            corner further apart and turn more than this, or no such touch is found.
+        until: A length and an angle: the last hypothesis is touched where it was not yet, until no two of
+            its poses move a corner further apart and turn more than this, or no such touch is found.
         seed: Of the planner.
         unit: Of the models, for the log to say.
         log: A file to which each event is written before the next one begins, as JSON lines.
@@ -84,10 +85,12 @@ def identify(
         told: Is called with each guarded move when its reply is understood.
 
     Returns:
-        What is left, and how it came to that. A probe that fails ends the run with the status `"fault"`; no exception.
+        What is left, and how it came to that. A probe that fails ends the run with the status `"fault"`; no
+        exception.
 
     Raises:
-        ValueError: Bad input, named; a log that is there already, or of another run; a tip inside of the workspace at first.
+        ValueError: Bad input, named; a log that is there already, or of another run; a tip inside of the
+            workspace at first.
     """
     if not isinstance(probe, Probe):
         raise ValueError(f"probe: must have touch, move and position (got {probe!r}); see palpate.Probe")
@@ -113,16 +116,17 @@ def identify(
         unit=unit,
     )
     if log is None:
-        return _run(settings, probe, Journal(), [], told)
+        return _run(settings, probe, Journal(), known=[], told=told)
     known, file = open_log(FilePath(log), resume=resume)
     with file:
-        return _run(settings, probe, Journal(known, file), known, told)
+        return _run(settings, probe, Journal(known, file), known=known, told=told)
 
 
 def _run(
     settings: Settings,
     probe: Probe,
     journal: Journal,
+    *,
     known: list[Event],
     told: Callable[[Step], None] | None,
 ) -> Result:
@@ -134,4 +138,4 @@ def _run(
         if known[0][name] != as_read.get(name):
             raise ValueError(f"{name}: is not that of the log; resume with the same, or begin another log")
     journal.record(start)
-    return Run(settings, probe, journal, at, told).result()
+    return Run(settings, probe, journal, position=at, told=told).result()

@@ -1,4 +1,4 @@
-"""The log of a run: every event is on disk before the next one begins, and a run that was killed goes on from there."""
+"""The log of a run: each event is on disk before the next begins, so that a killed run goes on from there."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ class Interrupted(Exception):
 class Journal:
     """Events of a run: those that are known already, then new ones.
 
-    A run goes its whole way again, from its first event. So long as events are known, it must make the same ones, and the
-    replies in the log stand for those of the probe, which is not asked. From there on, each is written and kept.
+    A run goes its whole way again, from its first event. So long as events are known, it must make the same
+    ones, and the replies in the log stand for those of the probe, which is not asked. From there on, each is
+    written and kept.
     """
 
     def __init__(
@@ -71,9 +72,9 @@ class Journal:
                     f"log: line {self._number} says {_brief(event)} where a reply should be; it was changed"
                 )
             return event
-        event: Event = json.loads(json.dumps(question(), allow_nan=False))
-        self._write(event)
-        return event
+        reply: Event = json.loads(json.dumps(question(), allow_nan=False))
+        self._write(reply)
+        return reply
 
     def _write(self, event: Event) -> None:
         if self._ends:

@@ -28,4 +28,4 @@ def replay(log: str | Path, *, told: Callable[[Step], None] | None = None) -> Re
     settings = settings_in(events[0])
     position = events[0]["position"]
     at = None if position is None else point_of("position", position)
-    return Run(settings, None, Journal(events[1:], ends=True), at, told).result()
+    return Run(settings, None, Journal(events[1:], ends=True), position=at, told=told).result()

@@ -30,7 +30,7 @@ class Step:
     """One guarded move: why it was made, what it met, and what was left then."""
 
     purpose: Purpose
-    """`"scan"`: to acquire contacts. `"path"`: to tell hypotheses apart. `"verify"`: to tighten the last one's poses."""
+    """`"scan"`: to acquire contacts. `"path"`: to tell hypotheses apart. `"verify"`: to tighten one."""
     start: Array
     """Shape `(2,)`, world frame; the same for `end`."""
     end: Array
@@ -49,9 +49,13 @@ class Result:
     """What is left, and how it came to that (4.1)."""
 
     status: Status
-    """`"solved"`: one hypothesis is left. `"inseparable"`: no path tells those left apart. `"no_usable_path"`: none can be
-    used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short. `"unexplained"`: no model fits. `"nothing_found"`:
-    no contact was made. `"fault"`: the probe can't go on. `"interrupted"`: of a log that has no end."""
+    """How it ended.
+
+    `"solved"`: one hypothesis is left. `"inseparable"`: no path tells those left apart. `"no_usable_path"`: none
+    can be used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short. `"unexplained"`: no model fits.
+    `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`: the log has no
+    end.
+    """
     reason: str
     """The same in a sentence."""
     proved: bool

@@ -1,9 +1,10 @@
-"""Ways of the tip between guarded moves: back as it came, and along the perimeter of the workspace, never through (4.1)."""
+"""Ways of the tip between guarded moves: back as it came, then along the perimeter (thesis 4.1)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -95,7 +96,7 @@ def rest_of(points: Sequence[Array], position: Array, *, within: float) -> list[
 
 def length_of(points: Sequence[Array]) -> float:
     """The length of a polyline."""
-    return math.fsum(math.dist(a, b) for a, b in zip(points, points[1:], strict=False))
+    return math.fsum(math.dist(a, b) for a, b in pairwise(points))
 
 
 def _corners(workspace: Array) -> list[tuple[float, Array]]:

@@ -13,7 +13,6 @@ from palpate._core import (
     Hypothesis,
     Miss,
     Path,
-    PlanReport,
     Recognition,
     judge,
     plan_report,
@@ -49,12 +48,13 @@ class Run:
         settings: Settings,
         probe: Probe | None,
         journal: Journal,
+        *,
         position: Array | None,
         told: Callable[[Step], None] | None = None,
     ) -> None:
         self._settings = settings
         self._journal = journal
-        self._tour = Tour(settings, probe, journal, position)
+        self._tour = Tour(settings, probe, journal, position=position)
         self._told = told or (lambda step: None)
         self._contacts: list[Contact] = list(settings.contacts)
         self._misses: list[Miss] = [*settings.border, *settings.misses]
@@ -92,7 +92,7 @@ class Run:
         scan = self._scans.next(finest)
         if scan is None:
             return False
-        reply = self._touch(scan.start, scan.end, "scan")
+        reply = self._touch(scan.start, scan.end, purpose="scan")
         self._scans.made(missed=isinstance(reply, Miss))
         return True
 
@@ -140,7 +140,7 @@ class Run:
         self._seconds["planning"] += time.perf_counter() - began
         if path is None:
             raise _Ended("solved", "one hypothesis is left; no touch was found that makes its poses tighter")
-        self._touch(path.start, path.end, "verify", path)
+        self._touch(path.start, path.end, purpose="verify", path=path)
 
     def _tell_apart(self, hypotheses: list[Hypothesis]) -> None:
         """Go along the best path, if it tells anything."""
@@ -158,10 +158,10 @@ class Run:
             raise _Ended(
                 "inseparable", "no path is certain or expected to tell those left apart", proved=proved
             )
-        self._touch(path.start, path.end, "path", path)
+        self._touch(path.start, path.end, purpose="path", path=path)
 
     def _plan(self, hypotheses: list[Hypothesis]) -> tuple[Path | None, str, bool]:
-        """The path, why it is that one, and whether no better one is proved; that of the log, if it has one."""
+        """The path, why it is that one, and whether it is proved best; that of the log, if it has one."""
         settings = self._settings
         known = self._journal.peek("planned")
         if known is None:
@@ -183,7 +183,7 @@ class Run:
             path = judge(hypotheses, settings.sensor, *line, **settings.judged)
         return path, known["why"], known["proved"]
 
-    def _touch(self, start: Array, end: Array, purpose: Purpose, path: Path | None = None) -> Reply:
+    def _touch(self, start: Array, end: Array, *, purpose: Purpose, path: Path | None = None) -> Reply:
         """The tip goes there and makes the guarded move; what it says is evidence."""
         if len(self._steps) >= self._settings.max_touches:
             raise _Ended("budget", f"{self._settings.max_touches} guarded moves were made")

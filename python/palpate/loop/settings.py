@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -65,7 +66,7 @@ class Settings:
         (x0, y0), (x1, y1) = self.workspace
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
         tip = {"tip_radius": self.sensor.tip_radius, "path_error": self.sensor.path_error}
-        return [Miss(a, b, **tip) for a, b in zip(corners, corners[1:], strict=False)]
+        return [Miss(a, b, **tip) for a, b in pairwise(corners)]
 
 
 def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) -> Settings:

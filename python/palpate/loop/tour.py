@@ -20,7 +20,7 @@ class Tour:
     """Moves a probe, by way of the journal: what that knows is not asked again."""
 
     def __init__(
-        self, settings: Settings, probe: Probe | None, journal: Journal, position: Array | None
+        self, settings: Settings, probe: Probe | None, journal: Journal, *, position: Array | None
     ) -> None:
         self._workspace = settings.workspace
         self._slack = (
@@ -44,7 +44,7 @@ class Tour:
         nearest = nearest_on_border(self._workspace, outside)
         if nearest is None:
             raise ValueError(
-                f"probe: its tip is at {outside.tolist()}, inside of the workspace; bring it to the border first"
+                f"probe: its tip is at {outside.tolist()}, in the workspace; bring it to the border first"
             )
         points += [] if np.array_equal(nearest, outside) or on_border(self._workspace, outside) else [nearest]
         points += perimeter_route(self._workspace, nearest, start)
@@ -105,7 +105,7 @@ class Tour:
         return None if position is None else np.array(position, dtype=float)
 
     def _taken_up(self, way: list[Array]) -> list[Array]:
-        """What is left of a way, at the first question to the probe: a run that was killed may have stopped on it."""
+        """What is left of a way: a run that was killed may have stopped on it."""
         first, self._asked = not self._asked, True
         position = self._position() if first else None
         if position is None:

@@ -16,14 +16,18 @@ class Hit:
     """The tip rests on the part, and the reading is reliable."""
 
     contact: Contact
-    """With the bounds that hold for this reading, tip radius, approach, and start where `path_error` is no larger than
-    `position_error`: the way from there was free."""
+    """With the bounds of this reading, tip radius, approach, and start: the way from there was free.
+
+    Without a start, if the tip may have left its line by more than the position error.
+    """
 
 
 @dataclass(frozen=True)
 class Skid:
-    """The part was touched, but no reading can be trusted: at more than the largest reliable incidence, or where a
-    model says that it can't be touched. Evidence of the free part of its path only."""
+    """The part was touched, but no reading can be trusted; evidence of the free part of its path only.
+
+    It was touched at more than the largest reliable incidence, or where a model says that it can't be.
+    """
 
     free: Miss
     """From the start, ending `position_error` short of the sensed place."""
@@ -36,7 +40,7 @@ class AlreadyTouching:
 
 @dataclass(frozen=True, eq=False)
 class UnexpectedTouch:
-    """A free move touched something and stopped. No evidence: the bounds of readings don't hold for free moves."""
+    """A free move touched something and stopped. No evidence: no bounds hold for free moves."""
 
     where: NDArray[np.float64]
     """Centre of the tip, shape `(d,)`."""
@@ -69,21 +73,22 @@ class Probe(Protocol):
     def touch(self, start: ArrayLike, end: ArrayLike) -> Reply:
         """Make one straight guarded move, and stop at the first touch.
 
-        The tip is at `start`, or, before the first move, wherever it may go there from straight. After a `Hit` or a
-        `Skid` it stays where it stopped; after a miss it is at `end`.
+        The tip is at `start`, or, before the first move, wherever it may go there from straight. After a
+        `Hit` or a `Skid` it stays where it stopped; after a miss it is at `end`.
 
         Args:
             start: Where the centre of the tip begins, shape `(d,)`.
             end: Where it ends if it touches nothing, shape `(d,)`.
 
         Returns:
-            `Hit`: it touched, and the contact holds within its bounds. `palpate.Miss`: it touched nothing all the way, off
-            its line by no more than the miss says. `Skid`: it touched where no reading is reliable. `AlreadyTouching`: it
-            was not clear at `start`. `UnexpectedTouch`: it touched on the way to `start`. `Fault`: it can't go on.
+            `Hit`: it touched, and the contact holds within its bounds. `palpate.Miss`: it touched nothing
+            all the way, off its line by no more than the miss says. `Skid`: it touched where no reading is
+            reliable. `AlreadyTouching`: it was not clear at `start`. `UnexpectedTouch`: it touched on the
+            way to `start`. `Fault`: it can't go on.
         """
         ...
 
-    def move(self, points: ArrayLike) -> None | UnexpectedTouch | Fault:
+    def move(self, points: ArrayLike) -> UnexpectedTouch | Fault | None:
         """Move freely, straight from where the tip is to the first point, then from each to the next.
 
         The first point after a touch is the start of its guarded move: the tip goes back the way it came.
@@ -92,7 +97,8 @@ class Probe(Protocol):
             points: Places of the tip's centre, shape `(n, d)`.
 
         Returns:
-            None: it is at the last point and touched nothing. `UnexpectedTouch`: it touched, and stopped there. `Fault`: it
+            None: it is at the last point and touched nothing. `UnexpectedTouch`: it touched, and stopped
+                there. `Fault`: it
             can't go on.
         """
         ...

@@ -19,13 +19,14 @@ Noise: TypeAlias = Literal["uniform", "bounds", "none"]
 class SimulatedProbe:
     """A disc-shaped tip in the plane, moved against the true part at its true pose (thesis 4.1, 4.3).
 
-    The touch itself is exact; on it come the errors of the sensor. The tip moves parallel to its line, off it by up to
-    `path_error`. It presses on by up to `overtravel` before it is read. The sensed centre is then off by so much more that
-    the whole error stays within `position_error`, the sensed normal within `normal_error`. Free moves are exact. Touches on
-    untouchable faces are skids, as those beyond the largest reliable incidence are.
+    The touch itself is exact; on it come the errors of the sensor. The tip moves parallel to its line, off
+    it by up to `path_error`. It presses on by up to `overtravel` before it is read. The sensed centre is
+    then off by so much more that the whole error stays within `position_error`, the sensed normal within
+    `normal_error`. Free moves are exact. Touches on untouchable faces are skids, as those beyond the largest
+    reliable incidence are.
 
-    Same seed and same move, same reply, whatever was done before; a move that is made again has other errors. A touch sets
-    the tip down at its start, wherever it was. Implements `Probe`.
+    Same seed and same move, same reply, whatever was done before; a move that is made again has other
+    errors. A touch sets the tip down at its start, wherever it was. Implements `Probe`.
     """
 
     def __init__(
@@ -47,24 +48,25 @@ class SimulatedProbe:
             world_from_model: Its pose, a rigid motion, shape `(3, 3)`.
             sensor: Bounds of the errors that are made, tip radius and largest reliable incidence.
             seed: Chooses the errors.
-            noise: `"uniform"`: errors uniform within the bounds, of the centre in the disc. `"bounds"`: every error as large
-                as it may be, its sign or its direction at random. `"none"`: no errors.
-            overtravel: How far the tip may press on in its direction of travel before it is read: a one-sided error, at
-                most `position_error`, of which it is a part.
-            believed: Bounds that replies claim; those of `sensor` if not given. Smaller ones make a probe whose readings
-                lie outside of their stated bounds.
+            noise: `"uniform"`: errors uniform within the bounds, of the centre in the disc. `"bounds"`:
+                every error as large as it may be, its sign or its direction at random. `"none"`: no errors.
+            overtravel: How far the tip may press on in its direction of travel before it is read: a
+                one-sided error, at most `position_error`, of which it is a part.
+            believed: Bounds that replies claim; those of `sensor` if not given. Smaller ones make a probe
+                whose readings lie outside of their stated bounds.
             position: Where the tip is at first, shape `(2,)`; None: not known.
 
         Raises:
-            ValueError: A model that is not planar, another shape, no rigid motion, an unknown noise, a negative seed, an
-                overtravel that does not fit into the position error, numbers that are not finite.
+            ValueError: A model that is not planar, another shape, no rigid motion, an unknown noise, a
+                negative seed, an overtravel that does not fit into the position error, numbers that are not
+                finite.
         """
         _check(model, sensor, believed, seed=seed, noise=noise)
         model.distance(world_from_model, (0.0, 0.0))  # refuses what is no pose
         if not (math.isfinite(overtravel) and 0.0 <= overtravel <= sensor.position_error):
             raise ValueError(
-                f"overtravel: must be from zero to the position error, {sensor.position_error:g} (got {overtravel!r}); "
-                "give less, or a sensor with a larger position error"
+                f"overtravel: must be from zero to the position error, {sensor.position_error:g} "
+                f"(got {overtravel!r}); give less, or a sensor with a larger position error"
             )
         self._model = model
         self._world_from_model = np.array(world_from_model, dtype=float)
@@ -80,7 +82,7 @@ class SimulatedProbe:
 
     @property
     def position(self) -> Array | None:
-        """Where the centre of the tip is sensed to be, shape `(2,)`; None before the first move, if it was not given."""
+        """Where the tip's centre is sensed to be, shape `(2,)`; None before the first move, unless given."""
         return None if self._position is None else self._position.copy()
 
     def touch(self, start: ArrayLike, end: ArrayLike) -> Reply:
@@ -112,10 +114,10 @@ class SimulatedProbe:
         if not met.touchable or -direction @ met.normal < math.cos(self._sensor.max_incidence):
             short = float(direction @ (center - start)) - self._believed.position_error
             return Skid(self._free(start, start + max(0.0, short) * direction))
-        return Hit(self._contact(start, direction, center, met))
+        return Hit(self._contact(start, direction, center, met=met))
 
     def move(self, points: ArrayLike) -> UnexpectedTouch | Fault | None:
-        """Move freely; see `Probe.move`. The way back to the start of the last guarded move is free, as it came that way.
+        """Move freely; see `Probe.move`. The way back to the start of the last guarded move is free.
 
         Raises:
             ValueError: Another shape, or a number that is not finite.
@@ -169,7 +171,7 @@ class SimulatedProbe:
         error = radius * np.array([math.cos(toward), math.sin(toward)])
         return np.asarray(met.center + pressed * direction + error)
 
-    def _contact(self, start: Array, direction: Array, center: Array, met: FirstContact) -> Contact:
+    def _contact(self, start: Array, direction: Array, center: Array, *, met: FirstContact) -> Contact:
         believed = self._believed
         reads_normal = believed.normal_error is not None
         turn = self._error(self._sensor.normal_error or 0.0)
@@ -184,7 +186,7 @@ class SimulatedProbe:
         )
 
     def _error(self, bound: float) -> float:
-        """An error of one kind; drawn also where there is none, so that the errors of others stay the same."""
+        """An error of one kind; drawn also where there is none, so that those of others stay the same."""
         drawn = self._random.uniform(-1.0, 1.0)
         return {"uniform": drawn, "bounds": math.copysign(1.0, drawn), "none": 0.0}[self._noise] * bound
 
