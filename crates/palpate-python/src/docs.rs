@@ -94,7 +94,7 @@ Raises:
     ("Model.first_contact") => {
         r"What a round tip meets first on its straight way, the part being at a pose: exact, without any error (3.2).
 
-A point that meets a corner meets one of its faces; one that only grazes a corner meets nothing.
+A point that meets a corner meets one of its faces.
 
 Args:
     world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.

@@ -67,7 +67,7 @@ def identify(
 ) -> None:
     """Which part it is and where, by touch: acquire, recognize, plan, touch, recognize anew.
 
-    A workspace that is not given is a square of three sizes of the largest part, about the pose or the origin.
+    A workspace not given is a square of three sizes of the largest part, about the pose or the origin.
 
     Exit code 0: there is an answer, whatever its status; 2: bad input.
     """

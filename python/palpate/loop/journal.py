@@ -72,6 +72,8 @@ class Journal:
                     f"log: line {self._number} says {_brief(event)} where a reply should be; it was changed"
                 )
             return event
+        if self._ends:
+            raise Interrupted
         reply: Event = json.loads(json.dumps(question(), allow_nan=False))
         self._write(reply)
         return reply

@@ -51,10 +51,10 @@ class Result:
     status: Status
     """How it ended.
 
-    `"solved"`: one hypothesis is left. `"inseparable"`: no path tells those left apart. `"no_usable_path"`: none
-    can be used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short. `"unexplained"`: no model fits.
-    `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`: the log has no
-    end.
+    `"solved"`: one hypothesis is left. `"inseparable"`: no path tells those left apart. `"no_usable_path"`:
+    none can be used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short. `"unexplained"`: no
+    model fits. `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`: the
+    log has no end.
     """
     reason: str
     """The same in a sentence."""

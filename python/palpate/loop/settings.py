@@ -89,6 +89,8 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
         if given[name] is not None:
             _check_whole(name, given[name], 1)
     _check_whole("seed", given["seed"], 0)
+    if isinstance(given["stop"], list):
+        given["stop"] = tuple(given["stop"])
     given["until"] = _until(given["until"])
     given["directions"] = _directions(given["directions"])
     if given["features"] is not None:

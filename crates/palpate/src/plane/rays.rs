@@ -57,7 +57,7 @@ impl Model {
     /// What a tip of this radius meets first on its line. `None`: nothing. The direction of the line is a unit vector, and
     /// the tip is to be clear of the part at its start.
     ///
-    /// A point that meets a corner meets one of its faces; one that only grazes a corner meets nothing.
+    /// A point that meets a corner meets one of its faces.
     #[must_use]
     pub fn first_contact(
         &self,
