@@ -97,7 +97,11 @@ def test_errors_are_within_their_bounds_and_reach_them(radius, noise):
         # The true line is off by up to the path error: the true centre is one of those of all such lines.
         left = np.array([-direction[1], direction[0]])
         found = [placed.first(start + s * left, direction) for s in np.linspace(-0.3, 0.3, 31)]
-        true = [start + s * left + f[0] * direction for s, f in zip(np.linspace(-0.3, 0.3, 31), found) if f]
+        true = [
+            start + s * left + f[0] * direction
+            for s, f in zip(np.linspace(-0.3, 0.3, 31), found, strict=True)
+            if f
+        ]
         errors.append(min(math.dist(contact.center, place) for place in true))
         turns.append(min(math.acos(min(1.0, float(contact.normal @ f[2]))) for f in found if f))
     assert kinds >= {"Hit", "Miss", "Skid"}

@@ -68,13 +68,49 @@ class Run:
     def result(self) -> Result:
         """Run to the end."""
         try:
+            end = self._end()
+            self._conclude(end)
+        except Interrupted:
+            end = _Ended("interrupted", "the log ends here")
+        until, left = self._settings.until, [] if self._found is None else self._found.hypotheses
+        return Result(
+            end.status,
+            end.reason,
+            end.proved,
+            self._found,
+            self._contacts,
+            self._misses,
+            self._steps,
+            until_met=None if until is None else len(left) == 1 and _is_tight(left[0], until),
+            travel=self._tour.travel,
+            recognition_time=self._seconds["recognition"],
+            planning_time=self._seconds["planning"],
+        )
+
+    def _end(self) -> _Ended:
+        """What the loop comes to."""
+        try:
             self._acquire()
             while True:
                 self._decide(self._recognize())
         except _Ended as end:
-            return self._finished(end)
-        except Interrupted:
-            return self._finished(_Ended("interrupted", "the log ends here"), record=False)
+            return end
+
+    def _conclude(self, end: _Ended) -> None:
+        """The last event; what was touched before a fault is recognized too."""
+        if end.status == "fault" and self._contacts and self._found is None:
+            self._recognize()
+        self._tell()
+        self._journal.record(
+            {
+                "event": "end",
+                "status": end.status,
+                "reason": end.reason,
+                "proved": end.proved,
+                "touches": len(self._steps),
+                "travel": self._tour.travel,
+            }
+        )
 
     def _acquire(self) -> None:
         """First contacts, by binary subdivision of the workspace."""
@@ -212,37 +248,6 @@ class Run:
             self._misses.append(reply.free)
         elif isinstance(reply, Hit):
             self._contacts.append(reply.contact)
-
-    def _finished(self, end: _Ended, *, record: bool = True) -> Result:
-        if end.status == "fault" and self._contacts and self._found is None:
-            self._recognize()
-        self._tell()
-        until = self._settings.until
-        last = self._found.hypotheses if self._found is not None else []
-        if record:
-            self._journal.record(
-                {
-                    "event": "end",
-                    "status": end.status,
-                    "reason": end.reason,
-                    "proved": end.proved,
-                    "touches": len(self._steps),
-                    "travel": self._tour.travel,
-                }
-            )
-        return Result(
-            end.status,
-            end.reason,
-            end.proved,
-            self._found,
-            self._contacts,
-            self._misses,
-            self._steps,
-            until_met=None if until is None else len(last) == 1 and _is_tight(last[0], until),
-            travel=self._tour.travel,
-            recognition_time=self._seconds["recognition"],
-            planning_time=self._seconds["planning"],
-        )
 
 
 def _is_tight(last: Hypothesis, until: tuple[float, float]) -> bool:
