@@ -474,9 +474,10 @@ def test_logs_keep_models_and_settings(tmp_path):
     misses = [palpate.Miss((-150, -150), (-150, 150), tip_radius=1.0)]
     log = tmp_path / "run.jsonl"
     result = palpate.identify(
-        [plate, loose], palpate.SimulatedProbe(plate, world_from_model, sensor, position=(-300, -300)), sensor,
-        [[-200, -200], [200, 200]], prior=prior, misses=misses, blind=3, stop=("unique", 1), margin=2e-3,
-        effort=5000, features=("face", "vertex"), max_touches=30, max_hypotheses=50, until=(3.0, 0.1), seed=5,
+        [plate, loose], palpate.SimulatedProbe(plate, world_from_model, sensor, position=(-300, -300)),
+        sensor, [[-200, -200], [200, 200]], prior=prior, misses=misses, blind=3, stop=("unique", 1),
+        margin=2e-3, effort=5000,
+        features=("face", "vertex"), max_touches=30, max_hypotheses=50, until=(3.0, 0.1), seed=5,
         directions=((1, 0), 3.1), unit="cm", log=log,
     )  # fmt: skip
     validate(json.loads(log.read_text().splitlines()[0]), "run-1")

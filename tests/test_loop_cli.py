@@ -61,8 +61,9 @@ def test_a_log_without_an_end(folder, capsys):
 
 def test_flags_of_the_loop(folder, capsys):
     arguments = (
-        "identify", *BOOT, "--json", "--position-error", 0.2, "--normal-error-deg", 2, "--max-incidence-deg",
-        50,        "--tip-radius", 1, "--path-error", 0.1, "--noise", "bounds", "--overtravel", 0.05, "--workspace",
+        "identify", *BOOT, "--json", "--position-error", 0.2, "--normal-error-deg", 2,
+        "--max-incidence-deg", 50,
+        "--tip-radius", 1, "--path-error", 0.1, "--noise", "bounds", "--overtravel", 0.05, "--workspace",
         "-300,-250,300,350", "--blind", 3, "--until", "5,2", "--max-touches", 60, "--planner", "complete",
         "--stop", "share=0.5", "--effort", 20000, "--features", "face,vertex", "--max-hypotheses", 500,
         "--prior-pose", "0,0,0", "--prior-translation", 100, "--log", "run.jsonl",
