@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures table-no-normals wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures loop-figures table-no-normals wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -81,6 +81,9 @@ planning-figures: .venv/.built promises ## measure planning; writes docs/plannin
 	cargo run --quiet --release --example touches > target/figures/touches.json
 	cargo run --quiet --release --example plan_speed > target/figures/plan_speed.json
 	$(BIN)/python -m palpate.experiments.planning target/figures docs/planning-figures.md
+
+loop-figures: .venv/.built ## 200 closed loops over all bundled parts: statuses, touches, times, as JSON
+	@$(BIN)/python -m palpate.experiments.loop $(ARGS)
 
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)

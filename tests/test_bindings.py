@@ -141,6 +141,20 @@ def test_symmetries_map_the_model_onto_itself():
     assert np.allclose(sorted(map(tuple, turned[:, :2].round(9))), sorted(map(tuple, model.vertices)))
 
 
+def test_first_contact(wedge):
+    met = wedge.first_contact(pose(0, 100, 0), (130, -20), (0, 2), 4.0)
+    assert (met.depth, met.feature, met.touchable) == (pytest.approx(16.0), ("face", 0), True)
+    assert np.allclose(met.center, (130, -4)) and np.allclose(met.normal, (0, -1))
+    assert met == wedge.first_contact(pose(0, 100, 0), (130, -20), (0, 2), tip_radius=4.0)
+    assert met != wedge.first_contact(pose(0, 100, 0), (130, -20), (0, 2))
+    assert repr(met) == "<FirstContact: face 0 at depth 16.000000>"
+    assert wedge.first_contact(np.eye(3), (30, -20), (0, -1)) is None
+    assert wedge.distance(np.eye(3), (30, 10)) == pytest.approx(-10)
+    for given in ((np.eye(2), (0, 0), (1, 0)), (np.eye(3), (0, 0), (0, 0)), (np.eye(3), (0, 0), (1, 0), -1)):
+        with pytest.raises(ValueError, match=r"world_from_model|direction|tip_radius"):
+            wedge.first_contact(*given)
+
+
 def test_segments():
     ends = [[[0, 0], [40, 0]], [[40, 0], [40, 15]], [[40, 15], [0, 15]]]
     model = palpate.Model.segments(

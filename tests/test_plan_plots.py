@@ -80,3 +80,15 @@ def test_files_are_whole_and_the_same_every_time(hands, path, *, tmp_path, suffi
         for name in ("one", "two"):
             save_figure(make(), tmp_path / f"{name}.{suffix}")
         assert (tmp_path / f"one.{suffix}").read_bytes() == (tmp_path / f"two.{suffix}").read_bytes()
+
+
+def test_a_run_and_each_step_of_it(tmp_path):
+    model = palpate.load_models("boot")[0]
+    probe = palpate.SimulatedProbe(model, np.eye(3), usual_sensor())
+    result = palpate.identify([model], probe, usual_sensor(), [[-300, -300], [300, 300]])
+    for step in [*range(result.touches), None]:
+        figure = palpate.plots.plot_run(result, step)
+        axes = figure.axes[0]
+        assert axes.get_title() and len(axes.lines) >= (step or 0)
+    with pytest.raises(ValueError, match="step"):
+        palpate.plots.plot_run(result, result.touches)

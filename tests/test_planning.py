@@ -203,6 +203,36 @@ def test_judge(hands, path):
     assert inside.outcomes[1].fault == "start" and "start" in repr(inside)
 
 
+def test_the_line_of_a_path_is_that_path_again(hands, path):
+    assert palpate.judge(hands, usual_sensor(), path.start, path.direction, path.length) == path
+    for other in hypotheses_of("camera"), hypotheses_of("boot"):
+        path = palpate.plan(other, usual_sensor())
+        assert palpate.judge(other, usual_sensor(), path.start, path.direction, path.length) == path
+
+
+def test_lines_that_were_tried_are_refused_where_nothing_is_certain(hands, path):
+    tried = [(path.start, path.direction)]
+    assert path.guaranteed and palpate.plan(hands, usual_sensor(), tried=tried) == path
+    bracket = np.array([[0, 0], [80, 0], [80, 15], [20, 15], [20, 60], [0, 60]])
+    twins = [palpate.Model.polygon(bracket * size) for size in (1.0, 1.02)]
+    touches = [
+        palpate.Contact(point, normal, position_error=0.5, normal_error=0.07)
+        for point, normal in (((30, 0), (0, -1)), ((0, 20), (-1, 0)))
+    ]
+    alike = [one for one in palpate.recognize(twins, touches).hypotheses if one.poses.contains(np.eye(3))]
+    first = palpate.plan(alike, usual_sensor(), effort=500)
+    assert not first.guaranteed and first.expected_score < 1.9
+    m = 1e-3 * max(one.model.size for one in alike)
+    aside = np.array([-first.direction[1], first.direction[0]])
+    for shift, refused in ((0.0, True), (0.9 * m, True), (1.5 * m, False)):
+        line = (first.start + shift * aside, 3.0 * first.direction)
+        again = palpate.plan(alike, usual_sensor(), effort=500, tried=[line])
+        assert (again != first) == refused and not again.guaranteed
+    for bad in (3, [3], [((0, 0), (0, 0))], [((0, 0, 0), (0, 1))]):
+        with pytest.raises(ValueError, match="tried"):
+            palpate.plan(alike, usual_sensor(), tried=bad)
+
+
 def test_effort_limits_the_search_and_the_bound_tells():
     # Two parts that are the same: no path tells, and it takes a search to say so.
     outline = [[0, 0], [60, 0], [60, 25], [0, 40]]

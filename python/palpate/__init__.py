@@ -13,6 +13,7 @@ from ._core import AmbiguityBranch as AmbiguityBranch
 from ._core import AmbiguityNode as AmbiguityNode
 from ._core import AmbiguityTree as AmbiguityTree
 from ._core import Contact as Contact
+from ._core import FirstContact as FirstContact
 from ._core import Hypothesis as Hypothesis
 from ._core import Interpretation as Interpretation
 from ._core import Interpretations as Interpretations
@@ -38,11 +39,25 @@ from ._core import verification_path as verification_path
 from .contacts import Evidence as Evidence
 from .contacts import read_contacts as read_contacts
 from .contacts import write_contacts as write_contacts
+from .loop import Result as Result
+from .loop import Step as Step
+from .loop import identify as identify
+from .loop import perimeter_route as perimeter_route
+from .loop import random_contacts as random_contacts
+from .loop import replay as replay
 from .models import bundled_parts as bundled_parts
 from .models import load_models as load_models
 from .models import save_model as save_model
 from .parts import part_names as part_names
 from .parts import standard_contacts as standard_contacts
+from .probe import AlreadyTouching as AlreadyTouching
+from .probe import Fault as Fault
+from .probe import Hit as Hit
+from .probe import Probe as Probe
+from .probe import Reply as Reply
+from .probe import SimulatedProbe as SimulatedProbe
+from .probe import Skid as Skid
+from .probe import UnexpectedTouch as UnexpectedTouch
 
 if TYPE_CHECKING:
     from . import plots as plots

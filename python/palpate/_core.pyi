@@ -18,6 +18,7 @@ __all__ = [
     "AmbiguityNode",
     "AmbiguityTree",
     "Contact",
+    "FirstContact",
     "Hypothesis",
     "Interpretation",
     "Interpretations",
@@ -159,9 +160,65 @@ class Model:
     @property
     def closed(self) -> bool:
         """Whether its faces bound a region, so that inside and outside are known."""
+    def first_contact(
+        self, world_from_model: ArrayLike, start: ArrayLike, direction: ArrayLike, tip_radius: float = 0.0
+    ) -> FirstContact | None:
+        """What a round tip meets first on its straight way, the part being at a pose: exact, without any error (3.2).
+
+        A point that meets a corner meets one of its faces.
+
+        Args:
+            world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
+            start: Where the centre of the tip begins, shape `(2,)`, world frame. The tip is to be clear of the part there:
+                `distance` of it is above `tip_radius`.
+            direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
+            tip_radius: Radius of the tip; zero or more.
+
+        Returns:
+            What is met; None if nothing is, however far the tip goes.
+
+        Raises:
+            ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite.
+        """
+
+    def distance(self, world_from_model: ArrayLike, point: ArrayLike) -> float:
+        """How far a point is from the part at a pose; negative inside, if the part is closed.
+
+        Args:
+            world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
+            point: The point, shape `(2,)`, world frame.
+
+        Raises:
+            ValueError: Another shape, no rigid motion, a number that is not finite.
+        """
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
+
+@final
+class FirstContact:
+    """What a tip meets first on its straight way: the answer of `Model.first_contact`.
+
+    Immutable; equal if all numbers are equal.
+    """
+
+    @property
+    def depth(self) -> float:
+        """How far the centre of the tip has gone."""
+    @property
+    def center(self) -> NDArray[float64]:
+        """Where the centre of the tip then is, shape `(2,)`, world frame."""
+    @property
+    def normal(self) -> NDArray[float64]:
+        """Unit outward normal of what is touched, shape `(2,)`, world frame."""
+    @property
+    def feature(self) -> tuple[Literal["face", "vertex"], int]:
+        """Kind and number of what is touched."""
+    @property
+    def touchable(self) -> bool:
+        """Whether a reading may come from there: not from an untouchable face, the back of a loose one, or their corners."""
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
 
 @final
 class Contact:
@@ -616,6 +673,7 @@ def plan(
     features: Sequence[str] | None = None,
     avoid_assigned: bool = False,
     margin: float = 1e-3,
+    tried: Sequence[tuple[ArrayLike, ArrayLike]] = (),
     cells: int | None = None,
     directions_tried: int | None = None,
 ) -> Path | None:
@@ -646,6 +704,8 @@ def plan(
         avoid_assigned: Never touch a face that a contact is assigned to (1.1).
         margin: m, as a share of the largest part's size, 1e-6 to 0.1: paths are wanted that tell the same when they are
             shifted by m.
+        tried: Lines that were moved along before, each a start and a direction, shape `(2,)`, world frame. One within m of
+            them is no answer, unless it is certain to tell something.
         cells: Grid of `"grimson"` (8 to 16384) and `"schneiter"` (8 to 2048). None: 256.
         directions_tried: Directions that `"grimson"` tries, 1 to 7200. None: 72.
 
@@ -670,6 +730,7 @@ def plan_report(
     features: Sequence[str] | None = None,
     avoid_assigned: bool = False,
     margin: float = 1e-3,
+    tried: Sequence[tuple[ArrayLike, ArrayLike]] = (),
     cells: int | None = None,
     directions_tried: int | None = None,
 ) -> PlanReport:
@@ -688,6 +749,7 @@ def plan_report(
         features: As for `plan`.
         avoid_assigned: As for `plan`.
         margin: As for `plan`.
+        tried: As for `plan`.
         cells: As for `plan`.
         directions_tried: As for `plan`.
 
@@ -713,7 +775,8 @@ def judge(
         hypotheses: As for `plan`.
         sensor: Bounds of the next reading.
         start: Where the centre of the tip begins, shape `(2,)`, world frame.
-        direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
+        direction: Direction of travel, shape `(2,)`, world frame, of any length but zero. A unit vector is kept bit for bit:
+            start, direction and length of a path give that path again.
         length: How far to go, above zero. None: past the last possible contact.
         features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
         avoid_assigned: Whether a face that a contact is assigned to must not be touched first.

@@ -9,7 +9,7 @@ from typing import Any, NoReturn, cast
 import numpy as np
 
 from palpate._core import Model
-from palpate.contacts.entry import mm_per, refuse
+from palpate.contacts.entry import mm_per, refuse, shortest_degrees
 
 SCHEMA = "palpate-model"
 VERSION = 1
@@ -72,7 +72,7 @@ def document_of(model: Model, unit: str) -> dict[str, Any]:
         document["seams"] = [k for k, surface in enumerate(surfaces) if surface == "seam"]
     document["untouchable"] = [k for k, surface in enumerate(surfaces) if surface == "untouchable"]
     document["position_slack"] = model.position_slack
-    document["normal_slack_deg"] = math.degrees(model.normal_slack)
+    document["normal_slack_deg"] = shortest_degrees(model.normal_slack)
     return document
 
 

@@ -71,6 +71,16 @@ def load_models(
     return [model for path in given for file in _files(path) for model in _load(file, options)]
 
 
+def model_of(name: str, document: dict[str, Any]) -> Model:
+    """The model of a `palpate-model` document in its own unit; `name` is where it stands, for messages.
+
+    Raises:
+        ValueError: If it is none.
+    """
+    mm_per_unit = mm_per(str(document.get("unit")), f"{name}: unit")
+    return _model(name, parse_model(name, json.dumps(document), mm_per_unit=mm_per_unit))
+
+
 @dataclass(frozen=True)
 class _Options:
     """How files are read."""

@@ -113,6 +113,19 @@ pub(crate) fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<DVec2
     }
 }
 
+/// A direction of the plane, shape `(2,)`, of any length but zero; made unit.
+pub(crate) fn direction(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<DVec2> {
+    let nowhere = || refuse(argument, "must not be zero", value, "give a direction, of any length");
+    vector(argument, value)?.try_normalize().ok_or_else(nowhere)
+}
+
+/// A length, zero or more.
+pub(crate) fn length(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let read = number(argument, value)?;
+    let complain = || refuse(argument, "must be a finite number, zero or more", value, "give a length");
+    (read.is_finite() && read >= 0.0).then_some(read).ok_or_else(complain)
+}
+
 /// Numbers in a row, shape `(n,)`.
 pub(crate) fn numbers(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let array = array(argument, value, "(n,)")?;

@@ -91,6 +91,54 @@ Raises:
     ("Model.closed") => {
         r"Whether its faces bound a region, so that inside and outside are known."
     };
+    ("Model.first_contact") => {
+        r"What a round tip meets first on its straight way, the part being at a pose: exact, without any error (3.2).
+
+A point that meets a corner meets one of its faces.
+
+Args:
+    world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
+    start: Where the centre of the tip begins, shape `(2,)`, world frame. The tip is to be clear of the part there:
+        `distance` of it is above `tip_radius`.
+    direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
+    tip_radius: Radius of the tip; zero or more.
+
+Returns:
+    What is met; None if nothing is, however far the tip goes.
+
+Raises:
+    ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite."
+    };
+    ("Model.distance") => {
+        r"How far a point is from the part at a pose; negative inside, if the part is closed.
+
+Args:
+    world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
+    point: The point, shape `(2,)`, world frame.
+
+Raises:
+    ValueError: Another shape, no rigid motion, a number that is not finite."
+    };
+    ("FirstContact") => {
+        r"What a tip meets first on its straight way: the answer of `Model.first_contact`.
+
+Immutable; equal if all numbers are equal."
+    };
+    ("FirstContact.depth") => {
+        r"How far the centre of the tip has gone."
+    };
+    ("FirstContact.center") => {
+        r"Where the centre of the tip then is, shape `(2,)`, world frame."
+    };
+    ("FirstContact.normal") => {
+        r"Unit outward normal of what is touched, shape `(2,)`, world frame."
+    };
+    ("FirstContact.feature") => {
+        r"Kind and number of what is touched."
+    };
+    ("FirstContact.touchable") => {
+        r"Whether a reading may come from there: not from an untouchable face, the back of a loose one, or their corners."
+    };
     ("Contact") => {
         r"The tip of a probe rests on the part (2.2).
 
@@ -455,6 +503,8 @@ Args:
     avoid_assigned: Never touch a face that a contact is assigned to (1.1).
     margin: m, as a share of the largest part's size, 1e-6 to 0.1: paths are wanted that tell the same when they are
         shifted by m.
+    tried: Lines that were moved along before, each a start and a direction, shape `(2,)`, world frame. One within m of
+        them is no answer, unless it is certain to tell something.
     cells: Grid of `"grimson"` (8 to 16384) and `"schneiter"` (8 to 2048). None: 256.
     directions_tried: Directions that `"grimson"` tries, 1 to 7200. None: 72.
 
@@ -480,6 +530,7 @@ Args:
     features: As for `plan`.
     avoid_assigned: As for `plan`.
     margin: As for `plan`.
+    tried: As for `plan`.
     cells: As for `plan`.
     directions_tried: As for `plan`.
 
@@ -493,7 +544,8 @@ Args:
     hypotheses: As for `plan`.
     sensor: Bounds of the next reading.
     start: Where the centre of the tip begins, shape `(2,)`, world frame.
-    direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
+    direction: Direction of travel, shape `(2,)`, world frame, of any length but zero. A unit vector is kept bit for bit:
+        start, direction and length of a path give that path again.
     length: How far to go, above zero. None: past the last possible contact.
     features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
     avoid_assigned: Whether a face that a contact is assigned to must not be touched first.

@@ -8,6 +8,7 @@ mod docs;
 mod contact;
 mod convert;
 mod evidence;
+mod first_contact;
 mod hypothesis;
 mod interpretations;
 mod interrupt;
@@ -30,6 +31,8 @@ mod _core {
     use crate::contact::PyContact;
     #[pymodule_export]
     use crate::evidence::{PyMiss, PyPrior};
+    #[pymodule_export]
+    use crate::first_contact::PyFirstContact;
     #[pymodule_export]
     use crate::hypothesis::{PyHypothesis, PyInterpretation, PyPoseSet};
     #[pymodule_export]

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use numpy::{PyArray1, PyArray2, PyArray3};
-use palpate::plane::{Mend, Model, Surface};
+use palpate::plane::{Line, Mend, Model, Surface};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use crate::convert::{self, members, number, raise, restore, text, vectors, vectors_array, whole};
+use crate::convert::{self, members, number, raise, restore, text, vector, vectors, vectors_array, whole};
+use crate::first_contact::PyFirstContact;
 
 type Any<'py> = Bound<'py, PyAny>;
 type Pair = (f64, f64);
@@ -249,6 +250,29 @@ impl PyModel {
     #[getter]
     fn closed(&self) -> bool {
         self.model.closed
+    }
+
+    #[doc = doc!("Model.first_contact")]
+    #[pyo3(signature = (world_from_model, start, direction, tip_radius=None), text_signature = "($self, world_from_model, start, direction, tip_radius=0.0)")]
+    fn first_contact(
+        &self,
+        world_from_model: &Any<'_>,
+        start: &Any<'_>,
+        direction: &Any<'_>,
+        tip_radius: Option<&Any<'_>>,
+    ) -> PyResult<Option<PyFirstContact>> {
+        let pose = convert::pose("world_from_model", world_from_model)?;
+        let line =
+            Line { start: vector("start", start)?, direction: convert::direction("direction", direction)? };
+        let radius = tip_radius.map_or(Ok(0.0), |radius| convert::length("tip_radius", radius))?;
+        let found = self.model.first_contact(pose, &line, radius);
+        Ok(found.map(|contact| PyFirstContact { contact, line }))
+    }
+
+    #[doc = doc!("Model.distance")]
+    fn distance(&self, world_from_model: &Any<'_>, point: &Any<'_>) -> PyResult<f64> {
+        let pose = convert::pose("world_from_model", world_from_model)?;
+        Ok(self.model.distance(pose, vector("point", point)?))
     }
 
     fn __eq__(&self, other: &Any<'_>) -> bool {

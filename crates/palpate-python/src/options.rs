@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use glam::dvec2;
+use palpate::plane::Line;
 use palpate::recognize::Halt;
 use palpate::{PlanSettings, Planner, Stop, TreeMethod, TreeSettings};
 use pyo3::exceptions::PyTypeError;
@@ -21,6 +22,8 @@ pub(crate) const PLACED: &[&str] = &["workspace", "directions"];
 /// How a planner searches.
 pub(crate) const SEARCHED: &[&str] =
     &["planner", "stop", "time_limit", "effort", "cells", "directions_tried"];
+/// What was done before.
+pub(crate) const REMEMBERED: &[&str] = &["tried"];
 /// How a tree is built.
 pub(crate) const GROWN: &[&str] = &["method", "max_nodes"];
 
@@ -73,6 +76,7 @@ impl Options {
             "stop" => settings.stop = stop(value)?,
             "workspace" => settings.workspace = Some(workspace(value)?),
             "directions" => settings.directions = Some(directions(value)?),
+            "tried" => settings.tried = lines("tried", value)?,
             "time_limit" => self.time_limit = Some(time_limit(value)?),
             "effort" => settings.effort = whole(name, value, 1)?,
             "seed" => settings.seed = whole(name, value, 0)?,
@@ -196,6 +200,24 @@ fn directions(value: &Any<'_>) -> PyResult<(glam::DVec2, f64)> {
         return Err(refuse("directions", "must be a direction and a half angle", value, remedy));
     };
     Ok((vector("directions[0]", axis)?, number("directions[1]", half)?))
+}
+
+/// Lines, each a start and a direction.
+fn lines(argument: &str, value: &Any<'_>) -> PyResult<Vec<Line>> {
+    let remedy = "give [(path.start, path.direction), ...]";
+    let line = |(k, pair): (usize, &Any<'_>)| {
+        let place = format!("{argument}[{k}]");
+        let ends = members(&place, pair, "a start and a direction", remedy)?;
+        let [start, direction] = ends.as_slice() else {
+            return Err(refuse(&place, "must be a start and a direction", pair, remedy));
+        };
+        let (start, direction) = (
+            vector(&format!("{place}[0]"), start)?,
+            crate::convert::direction(&format!("{place}[1]"), direction)?,
+        );
+        Ok(Line { start, direction })
+    };
+    members(argument, value, "lines", remedy)?.iter().enumerate().map(line).collect()
 }
 
 fn time_limit(value: &Any<'_>) -> PyResult<Duration> {

@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use crate::convert::{number, raise, refuse, vector};
 use crate::hypothesis::PyHypothesis;
 use crate::interrupt::interruptible;
-use crate::options::{JUDGED, Options, PLACED, SEARCHED};
+use crate::options::{JUDGED, Options, PLACED, REMEMBERED, SEARCHED};
 use crate::path::PyPath;
 use crate::recognize::all;
 use crate::sensor::PySensor;
@@ -41,7 +41,7 @@ pub(crate) fn sensor(value: &Any<'_>) -> PyResult<palpate::Sensor> {
 #[pyfunction]
 #[pyo3(
     signature = (hypotheses, sensor, **options),
-    text_signature = "(hypotheses, sensor, *, planner='auto', stop='perfect', workspace=None, directions=None, time_limit=None, effort=None, seed=0, features=None, avoid_assigned=False, margin=0.001, cells=None, directions_tried=None)"
+    text_signature = "(hypotheses, sensor, *, planner='auto', stop='perfect', workspace=None, directions=None, time_limit=None, effort=None, seed=0, features=None, avoid_assigned=False, margin=0.001, tried=(), cells=None, directions_tried=None)"
 )]
 pub(crate) fn plan(
     py: Python<'_>,
@@ -49,7 +49,7 @@ pub(crate) fn plan(
     sensor: &Any<'_>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Option<Py<PyPath>>> {
-    planned(py, hypotheses, sensor, &Options::read("plan", options, &[JUDGED, PLACED, SEARCHED])?)
+    planned(py, hypotheses, sensor, &Options::read("plan", options, &[JUDGED, PLACED, SEARCHED, REMEMBERED])?)
         .map(|report| report.path)
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn plan(
 #[pyfunction]
 #[pyo3(
     signature = (hypotheses, sensor, **options),
-    text_signature = "(hypotheses, sensor, *, planner='auto', stop='perfect', workspace=None, directions=None, time_limit=None, effort=None, seed=0, features=None, avoid_assigned=False, margin=0.001, cells=None, directions_tried=None)"
+    text_signature = "(hypotheses, sensor, *, planner='auto', stop='perfect', workspace=None, directions=None, time_limit=None, effort=None, seed=0, features=None, avoid_assigned=False, margin=0.001, tried=(), cells=None, directions_tried=None)"
 )]
 pub(crate) fn plan_report(
     py: Python<'_>,
@@ -65,16 +65,16 @@ pub(crate) fn plan_report(
     sensor: &Any<'_>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<PyPlanReport> {
-    let options = Options::read("plan_report", options, &[JUDGED, PLACED, SEARCHED])?;
+    let options = Options::read("plan_report", options, &[JUDGED, PLACED, SEARCHED, REMEMBERED])?;
     planned(py, hypotheses, sensor, &options)
 }
 
 fn planned(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) -> PyResult<PyPlanReport> {
     let (hypotheses, sensor) = (hypotheses(given)?, sensor(with)?);
-    let (settings, deadline) = (options.settings, options.deadline());
+    let (settings, deadline) = (&options.settings, options.deadline());
     let (plan, late) = interruptible(py, |halt| {
         let late = std::cell::Cell::new(false);
-        let plan = palpate::plan_until(&hypotheses, &sensor, &settings, &|| {
+        let plan = palpate::plan_until(&hypotheses, &sensor, settings, &|| {
             late.set(late.get() || deadline.late(halt));
             late.get()
         });
@@ -82,7 +82,7 @@ fn planned(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) -
     })?;
     let plan = plan.map_err(raise)?;
     let path = plan.path.clone().map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()?;
-    let why = plan.why(&hypotheses, &settings, late);
+    let why = plan.why(&hypotheses, settings, late);
     Ok(PyPlanReport { plan, path, why })
 }
 

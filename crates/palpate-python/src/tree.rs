@@ -51,9 +51,9 @@ pub(crate) fn plan_tree<'py>(
 ) -> PyResult<PyTree> {
     let options = Options::read("plan_tree", options, &[JUDGED, PLACED, SEARCHED, GROWN])?;
     let (hypotheses, sensor) = (self::hypotheses(hypotheses)?, self::sensor(sensor)?);
-    let (settings, tree, deadline) = (options.settings, options.tree, options.deadline());
+    let (settings, tree, deadline) = (&options.settings, options.tree, options.deadline());
     let tree = interruptible(py, |halt| {
-        palpate::plan_tree_until(&hypotheses, &sensor, &settings, &tree, &|| deadline.late(halt))
+        palpate::plan_tree_until(&hypotheses, &sensor, settings, &tree, &|| deadline.late(halt))
     })?
     .map_err(raise)?;
     Ok(PyTree { tree: Arc::new(tree), tip_radius: sensor.tip_radius })

@@ -21,7 +21,7 @@ fn main() {
         let case = planning::case(number);
         println!("{number}: {}, {} hypotheses", case.family, case.hypotheses.len());
         for (name, planner) in planning::PLANNERS {
-            let settings = PlanSettings { planner, effort, ..case.settings };
+            let settings = PlanSettings { planner, effort, ..case.settings.clone() };
             let started = Instant::now();
             let plan = plan(&case.hypotheses, &case.sensor, &settings).expect("good settings");
             println!(

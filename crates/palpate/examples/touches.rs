@@ -88,7 +88,7 @@ fn row(family: usize, number: u64, effort: u64) -> Row {
     let settings = PlanSettings { planner: Planner::Complete, effort, ..PlanSettings::default() };
     let tree = |planner: Planner, method: TreeMethod| -> AmbiguityTree {
         let tree_settings = TreeSettings { method, ..TreeSettings::default() };
-        plan_tree(&hypotheses, &sensor, &PlanSettings { planner, ..settings }, &tree_settings)
+        plan_tree(&hypotheses, &sensor, &PlanSettings { planner, ..settings.clone() }, &tree_settings)
             .expect("hypotheses")
     };
     let greedy = tree(Planner::Complete, TreeMethod::Greedy);

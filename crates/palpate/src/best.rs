@@ -68,7 +68,8 @@ impl<'a> Best<'a> {
             Aim::Score => verdict.num_left(),
             Aim::Branches => verdict.classes().iter().map(|class| class.len().pow(2)).sum(),
         };
-        if left > self.num_left() {
+        let certain = verdict.num_left() < self.members.len().pow(2);
+        if left > self.num_left() || (!certain && self.scene.was_tried(line)) {
             return;
         }
         let path = judged(self.scene, self.members, line, None);

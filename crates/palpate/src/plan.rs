@@ -78,7 +78,7 @@ pub enum Stop {
 }
 
 /// How to plan. The defaults are stated here and nowhere else.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PlanSettings {
     /// Where candidates come from.
     pub planner: Planner,
@@ -100,6 +100,8 @@ pub struct PlanSettings {
     pub vertices: Option<bool>,
     /// Never touch a face that a contact is assigned to (thesis 1.1).
     pub avoid_assigned: bool,
+    /// Lines that were moved along before. One within m of them is no answer, unless it is certain to tell something.
+    pub tried: Vec<Line>,
 }
 
 impl Default for PlanSettings {
@@ -115,6 +117,7 @@ impl Default for PlanSettings {
             faces: true,
             vertices: None,
             avoid_assigned: false,
+            tried: Vec::new(),
         }
     }
 }
@@ -161,6 +164,8 @@ pub fn plan_until(
 
 /// What a line of your own would tell, and whether it can be used. `length`: as long as needed, if not given.
 ///
+/// A direction that is a unit vector is kept bit for bit: the line of a path gives that path again.
+///
 /// # Errors
 /// No hypotheses, a direction of no length, a length that is not above zero, numbers that are not finite.
 pub fn judge(
@@ -171,7 +176,7 @@ pub fn judge(
     settings: &PlanSettings,
 ) -> Result<Path, Error> {
     check(hypotheses, settings)?;
-    let Some(direction) = line.direction.try_normalize().filter(|_| line.start.is_finite()) else {
+    let Some(direction) = unit(line.direction).filter(|_| line.start.is_finite()) else {
         return Err(Error::new(
             "direction",
             "must not be zero",
@@ -186,6 +191,12 @@ pub fn judge(
     let scene = Scene::new(hypotheses, sensor, settings);
     let line = Line { direction, ..line };
     Ok(judged(&scene, &scene.everyone(), &line, length))
+}
+
+/// The direction itself, if it is a unit vector to rounding.
+fn unit(direction: DVec2) -> Option<DVec2> {
+    let is_unit = (direction.length_squared() - 1.0).abs() <= 4.0 * f64::EPSILON;
+    if is_unit { Some(direction) } else { direction.try_normalize() }
 }
 
 /// Plans among some of the hypotheses; the path's numbers are places in `members`. `late` says that time is up.

@@ -155,15 +155,16 @@ def prior_of(pose: str | None, *, translation: float | None, rotation_deg: float
         )
     half_turn_deg = 180.0
     rotation = math.radians(half_turn_deg if rotation_deg is None else rotation_deg)
-    return Prior(_pose_of(pose), translation=translation, rotation=rotation)
+    return Prior(pose_of(pose, "--prior-pose"), translation=translation, rotation=rotation)
 
 
-def _pose_of(text: str) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def pose_of(text: str, flag: str) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """The pose that a flag has as X,Y,DEG."""
     try:
         x, y, angle_deg = (float(part) for part in text.split(","))
     except ValueError:
         x = y = angle_deg = math.nan
     if not math.isfinite(x + y + angle_deg):
-        raise ValueError(f"--prior-pose: must be three numbers (got {text!r}); give it as X,Y,DEG")
+        raise ValueError(f"{flag}: must be three numbers (got {text!r}); give it as X,Y,DEG")
     cosine, sine = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
     return np.array([[cosine, -sine, x], [sine, cosine, y], [0.0, 0.0, 1.0]])

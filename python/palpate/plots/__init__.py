@@ -1,4 +1,4 @@
-"""Pictures in the manner of the thesis: parts, superposed hypotheses, pose ranges, paths, ambiguity trees.
+"""Pictures in the manner of the thesis: parts, superposed hypotheses, pose ranges, paths, trees, runs.
 
 Each function returns a matplotlib `Figure` that belongs to no window; `save_figure` writes it as SVG, PNG or
 PDF, by the suffix, and the same figure gives the same file every time.
@@ -8,6 +8,7 @@ from palpate.plots.ambiguity import plot_ambiguity_tree
 from palpate.plots.lines import plot_lines
 from palpate.plots.paths import plot_path
 from palpate.plots.pictures import plot_models, plot_pose_range, plot_recognition
+from palpate.plots.runs import plot_run
 from palpate.plots.style import save_figure
 
 __all__ = [
@@ -17,5 +18,6 @@ __all__ = [
     "plot_path",
     "plot_pose_range",
     "plot_recognition",
+    "plot_run",
     "save_figure",
 ]

@@ -61,7 +61,7 @@ impl<'a> Pool<'a> {
         let members: Vec<usize> = members(set).collect();
         if self.planned.contains_key(&set) {
             // What is only found with effort is known already.
-            self.ask(&members, &PlanSettings { effort: 0, ..*self.settings }, true);
+            self.ask(&members, &PlanSettings { effort: 0, ..self.settings.clone() }, true);
         } else {
             let (choice, bound) = self.ask(&members, self.settings, true);
             self.planned.insert(set, (choice.status, bound));

@@ -30,7 +30,7 @@ pub fn verification_path(
     sensor: &Sensor,
     settings: &PlanSettings,
 ) -> Result<Option<Path>, Error> {
-    let settings = PlanSettings { avoid_assigned: true, ..*settings };
+    let settings = PlanSettings { avoid_assigned: true, ..settings.clone() };
     let hypotheses = std::slice::from_ref(hypothesis);
     check(hypotheses, &settings)?;
     let scene = Scene::new(hypotheses, sensor, &settings);

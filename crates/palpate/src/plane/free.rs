@@ -280,12 +280,12 @@ impl Model {
 }
 
 /// The faces that are there.
-fn solid(model: &Model) -> impl Iterator<Item = &Face> {
+pub(super) fn solid(model: &Model) -> impl Iterator<Item = &Face> {
     model.faces.iter().filter(|face| face.surface != Surface::Seam)
 }
 
 /// Whether the point is inside a closed model.
-fn inside(model: &Model, point: DVec2) -> bool {
+pub(super) fn inside(model: &Model, point: DVec2) -> bool {
     let crosses = |face: &&Face| {
         let (start, end) = (face.start, face.end);
         (start.y > point.y) != (end.y > point.y)

@@ -32,7 +32,7 @@ pub use arc::Arc;
 pub use model::{Face, Mend, Model, Surface, Symmetry, Vertex};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
-pub use rays::Line;
+pub use rays::{FirstContact, Line};
 pub use thesis::ThesisPose;
 
 pub(crate) use case::Case;

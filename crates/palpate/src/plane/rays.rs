@@ -1,9 +1,13 @@
 //! Lines, and what a tip on one meets first at one pose.
 
+use arrayvec::ArrayVec;
 use glam::DVec2;
 
-use super::model::{Model, Surface};
+use super::distance::to_segment;
+use super::free::{inside, solid};
+use super::model::{Face, Model, Surface};
 use super::pose::Pose;
+use crate::Feature;
 
 /// A directed line: the tip's centre is at `start + t·direction`, `t >= 0`. World frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,43 +38,101 @@ impl Line {
         (self.direction.dot(offset), self.left().dot(offset))
     }
 }
-/// A contact at one pose.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Contacted {
+
+/// What a tip on a line meets first, the part being at one pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstContact {
+    /// Of the tip's centre, along the line from its start.
     pub depth: f64,
+    /// Unit outward normal of what is touched, world frame.
     pub normal: DVec2,
+    /// What is touched.
+    pub feature: Feature,
+    /// It is touched where a reading may come from it: neither an untouchable face nor the back of a loose one, nor a
+    /// corner of these.
+    pub touchable: bool,
 }
 
-/// What the tip meets first at one pose, on its line, from a start that is clear.
-pub(crate) fn first_contact(model: &Model, pose: Pose, line: &Line, radius: f64) -> Option<Contacted> {
-    let inverse = pose.inverse();
-    let line = Line { start: inverse.apply(line.start), direction: inverse.rotation.rotate(line.direction) };
-    let mut first: Option<Contacted> = None;
-    let mut take = |depth: f64, normal: DVec2| {
-        if depth >= 0.0 && first.as_ref().is_none_or(|known| depth < known.depth) {
-            first = Some(Contacted { depth, normal });
+impl Model {
+    /// What a tip of this radius meets first on its line. `None`: nothing. The direction of the line is a unit vector, and
+    /// the tip is to be clear of the part at its start.
+    ///
+    /// A point that meets a corner meets one of its faces.
+    #[must_use]
+    pub fn first_contact(
+        &self,
+        world_from_model: Pose,
+        line: &Line,
+        tip_radius: f64,
+    ) -> Option<FirstContact> {
+        let model_from_world = world_from_model.inverse();
+        let line = Line {
+            start: model_from_world.apply(line.start),
+            direction: model_from_world.rotation.rotate(line.direction),
+        };
+        let of_faces = self.faces.iter().enumerate().flat_map(|(k, face)| {
+            let met = self.first_on_face(face, &line, tip_radius);
+            met.into_iter()
+                .map(move |(depth, normal)| (depth, normal, Feature::Face(k as u32), normal == face.normal))
+        });
+        let of_vertices = self.vertices.iter().enumerate().filter_map(|(k, vertex)| {
+            let (depth, normal) = first_on_vertex(vertex.point, &line, tip_radius)?;
+            Some((depth, normal, Feature::Vertex(k as u32), true))
+        });
+        let mut first: Option<(f64, DVec2, Feature, bool)> = None;
+        for met in of_faces.chain(of_vertices).filter(|met| met.0 >= 0.0) {
+            if first.is_none_or(|known| met.0 < known.0) {
+                first = Some(met);
+            }
         }
-    };
-    for face in model.faces.iter().filter(|face| face.surface != Surface::Seam) {
-        let sides = if model.closed { 1 } else { 2 };
+        first.map(|(depth, normal, feature, front)| FirstContact {
+            depth,
+            normal: world_from_model.rotation.rotate(normal),
+            feature,
+            touchable: front && self.can_be_touched(feature),
+        })
+    }
+
+    /// The distance of a point from the part: negative inside, if it is closed.
+    #[must_use]
+    pub fn distance(&self, world_from_model: Pose, point_world: DVec2) -> f64 {
+        let point = world_from_model.inverse().apply(point_world);
+        let distances = solid(self).map(|face| to_segment(point, [face.start, face.end]));
+        let distance = distances.fold(f64::INFINITY, f64::min);
+        if inside(self, point) { -distance } else { distance }
+    }
+
+    /// Depth and normal; two where both sides of a loose face are met, which is at its ends.
+    fn first_on_face(&self, face: &Face, line: &Line, radius: f64) -> ArrayVec<(f64, DVec2), 2> {
+        let mut met = ArrayVec::new();
+        if face.surface == Surface::Seam {
+            return met;
+        }
+        let sides = if self.closed { 1 } else { 2 };
         for normal in [face.normal, -face.normal].into_iter().take(sides) {
             let speed = normal.dot(line.direction);
             let [start, end] = [face.start, face.end].map(|at| at + radius * normal);
             let (a, b) = (line.coordinates(start).1, line.coordinates(end).1);
             if speed < 0.0 && a.min(b) <= 0.0 && a.max(b) >= 0.0 {
-                take(normal.dot(start - line.start) / speed, normal);
+                met.push((normal.dot(start - line.start) / speed, normal));
             }
         }
+        met
     }
-    if radius > 0.0 {
-        for vertex in &model.vertices {
-            let (along, aside) = line.coordinates(vertex.point);
-            if aside.abs() <= radius {
-                let depth = along - (radius * radius - aside * aside).sqrt();
-                let normal = (line.at(depth) - vertex.point) / radius;
-                take(depth, normal);
-            }
+
+    fn can_be_touched(&self, feature: Feature) -> bool {
+        match feature {
+            Feature::Face(number) => self.faces[number as usize].surface == Surface::Touchable,
+            Feature::Vertex(number) => self.vertices[number as usize].normals.is_some(),
         }
     }
-    first.map(|found| Contacted { normal: pose.rotation.rotate(found.normal), ..found })
+}
+
+/// Depth and normal of a round tip at a corner.
+fn first_on_vertex(point: DVec2, line: &Line, radius: f64) -> Option<(f64, DVec2)> {
+    let (along, aside) = line.coordinates(point);
+    (radius > 0.0 && aside.abs() <= radius).then(|| {
+        let depth = along - (radius * radius - aside * aside).sqrt();
+        (depth, (line.at(depth) - point) / radius)
+    })
 }

@@ -9,7 +9,7 @@ use super::arc::wrap;
 use super::outcome::{Allowance, Question, Rules};
 use super::pose::Pose;
 use super::pose_set::PoseSet;
-use super::rays::{Contacted, Line, first_contact};
+use super::rays::{FirstContact, Line};
 use super::shadow::Shadow;
 use super::thesis::Placement;
 use crate::hypothesis::Hypothesis;
@@ -50,6 +50,7 @@ pub(crate) struct Scene {
     pub radius: f64,
     workspace: Option<[DVec2; 2]>,
     directions: Option<(DVec2, f64)>,
+    tried: Vec<Line>,
 }
 
 impl Scene {
@@ -97,6 +98,7 @@ impl Scene {
             radius,
             workspace,
             directions,
+            tried: settings.tried.clone(),
         }
     }
 
@@ -164,6 +166,14 @@ impl Scene {
     /// The numbers of a line: angle, and how far it passes to the left of the middle.
     pub fn numbers(&self, line: &Line) -> (f64, f64) {
         (line.direction.to_angle(), line.left().dot(line.start - self.middle))
+    }
+
+    /// Whether it is within m of a line that was tried: turned by no more than m in a part's size, and shifted by no more.
+    pub fn was_tried(&self, line: &Line) -> bool {
+        let (angle, aside) = self.numbers(line);
+        self.tried.iter().map(|tried| self.numbers(tried)).any(|(other, place)| {
+            wrap(angle - other).abs() * self.size <= self.margin && (aside - place).abs() <= self.margin
+        })
     }
 
     /// What the members can answer to a line, everything widened by `margin`. Stops at the first that makes it unusable.
@@ -263,8 +273,8 @@ impl Scene {
     }
 
     /// The exact first contact of a member at a pose.
-    pub fn contact(&self, member: usize, pose: Pose, line: &Line) -> Option<Contacted> {
-        first_contact(self.shadows[member].model(), pose, line, self.sensor.tip_radius)
+    pub fn contact(&self, member: usize, pose: Pose, line: &Line) -> Option<FirstContact> {
+        self.shadows[member].model().first_contact(pose, line, self.sensor.tip_radius)
     }
 }
 

@@ -46,7 +46,7 @@ pub fn score(case: &Case, plan: &Plan) -> f64 {
 pub fn against(case: &Case, number: u64, num_lines: u64, effort: u64) -> Outcome {
     let mut plans = PLANNERS.iter().map(|(_, planner)| {
         let effort = if *planner == Planner::Complete { effort } else { effort.min(MOST_JUDGED) };
-        let settings = PlanSettings { planner: *planner, effort, ..case.settings };
+        let settings = PlanSettings { planner: *planner, effort, ..case.settings.clone() };
         plan(&case.hypotheses, &case.sensor, &settings).expect("good settings")
     });
     let complete = plans.next().expect("complete is the first");

@@ -1,0 +1,201 @@
+"""`palpate identify`: the closed loop; `palpate replay`: a run once more, from its log."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from palpate import Model, Result, Sensor, SimulatedProbe, load_models
+from palpate import identify as identify_part
+from palpate import replay as replay_run
+from palpate.cli import identify_options, options, plan_options
+from palpate.cli.console import patiently, results
+from palpate.cli.documents import print_document
+from palpate.cli.parts import Parts, load_parts, part_notes
+from palpate.cli.plan_report import sensor_words
+from palpate.cli.recognize import pose_of, prior_of
+from palpate.cli.run_report import Story, check_run_picture, draw_run, print_result, result_document
+from palpate.loop.entries import settings_in
+from palpate.loop.journal import read_log
+from palpate.loop.route import Array, workspace_of
+from palpate.probe import Noise as NoiseName
+
+ACROSS = 3.0  # the workspace in sizes of the largest part, if it is not given
+ROOM = 0.02  # of the part, between it and the border, at a random pose
+MOST_TRIES = 1000
+
+
+def identify(
+    models: options.Models,
+    *,
+    probe: identify_options.Probe = "sim",
+    truth: identify_options.Truth = None,
+    pose: identify_options.Pose = "random",
+    noise: identify_options.Noise = "uniform",
+    overtravel: identify_options.Overtravel = 0.0,
+    position_error: identify_options.PositionError = 0.5,
+    normal_error_deg: identify_options.NormalErrorDeg = 4.0,
+    no_normal: identify_options.NoNormal = False,
+    max_incidence_deg: plan_options.MaxIncidenceDeg = 60.0,
+    tip_radius: identify_options.TipRadius = 0.0,
+    path_error: identify_options.PathError = 0.0,
+    workspace: plan_options.Workspace = None,
+    prior_pose: options.PriorPose = None,
+    prior_translation: options.PriorTranslation = None,
+    prior_rotation_deg: options.PriorRotationDeg = None,
+    features: options.Features = None,
+    max_hypotheses: options.MaxHypotheses = None,
+    blind: identify_options.Blind = None,
+    until: identify_options.Until = None,
+    max_touches: identify_options.MaxTouches = 200,
+    planner: plan_options.Planner = "auto",
+    stop: plan_options.Stop = "perfect",
+    directions: plan_options.Directions = None,
+    time_limit: plan_options.TimeLimit = None,
+    effort: plan_options.Effort = None,
+    seed: plan_options.Seed = 0,
+    log: identify_options.Log = None,
+    resume: identify_options.Resume = False,
+    unit: options.Unit = "mm",
+    layers: options.Layers = None,
+    flattening: options.Flattening = None,
+    plot: identify_options.Plot = None,
+    json: options.Json = False,
+) -> None:
+    """Which part it is and where, by touch: acquire, recognize, plan, touch, recognize anew.
+
+    A workspace not given is a square of three sizes of the largest part, about the pose or the origin.
+
+    Exit code 0: there is an answer, whatever its status; 2: bad input.
+    """
+    check_run_picture(plot)
+    if resume and log is None:
+        raise ValueError("--resume: must be given with --log; name the log of the run")
+    parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
+    lying = _truth(parts, truth, unit=unit)
+    size = max(model.size for model in [*parts.models, lying])
+    area = _workspace(workspace, pose, size)
+    normal_error = None if no_normal else math.radians(normal_error_deg)
+    sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
+    world_from_truth = _pose(pose, lying, workspace=area, sensor=sensor, seed=seed)
+    simulated = SimulatedProbe(
+        lying,
+        world_from_truth,
+        sensor,
+        seed=seed,
+        noise=cast(NoiseName, noise),
+        overtravel=overtravel,
+    )
+    settings: dict[str, Any] = {
+        "prior": prior_of(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg),
+        "blind": blind,
+        "planner": planner,
+        "stop": plan_options.stop_of(stop),
+        "directions": plan_options.directions_of(directions),
+        "effort": effort,
+        "time_limit": time_limit,
+        "features": None if features is None else tuple(features.split(",")),
+        "max_touches": max_touches,
+        "until": identify_options.until_of(until),
+        "seed": seed,
+        "unit": unit,
+        "log": log,
+        "resume": resume,
+    }
+    if max_hypotheses is not None:
+        settings["max_hypotheses"] = max_hypotheses
+    console = results()
+    smallest = min(model.size for model in parts.models)
+    if not json:
+        console.print(f"sensor: {sensor_words(sensor, unit=unit)}", soft_wrap=True)
+        settings["told"] = Story(console, size=smallest)
+    result = patiently(
+        lambda: identify_part(parts.models, simulated, sensor, area, **settings), saying="identifying"
+    )
+    _show(result, parts, unit=unit, plot=plot, json=json, console=console)
+    if not json:
+        console.print(_verdict(result, lying, world_from_truth), soft_wrap=True)
+
+
+def replay(
+    log: identify_options.LogFile, *, plot: identify_options.Plot = None, json: options.Json = False
+) -> None:
+    """Tell and draw a run once more, from its log.
+
+    Exit code 0: the log could be read; 2: bad input.
+    """
+    check_run_picture(plot)
+    events = read_log(log)
+    if not events:
+        raise ValueError(f"log: {str(log)!r} is empty; name the log of a run")
+    settings = settings_in(events[0])
+    parts = Parts(settings.models, [str(log)] * len(settings.models))
+    console = results()
+    story = None if json else Story(console, size=min(model.size for model in parts.models))
+    result = patiently(lambda: replay_run(log, told=story), saying="replaying")
+    _show(result, parts, unit=settings.unit, plot=plot, json=json, console=console)
+
+
+def _show(result: Result, parts: Parts, *, unit: str, plot: Path | None, json: bool, console: Any) -> None:
+    if json:
+        print_document(result_document(result, parts.models, unit=unit))
+    else:
+        size = min(model.size for model in parts.models)
+        notes = part_notes(parts, unit=unit)
+        print_result(console, result, parts.labels, notes=notes, unit=unit, size=size)
+    console.file.flush()
+    if plot is not None:
+        drawn = draw_run(result, plot, unit=unit, labels=parts.labels)
+        if not json:
+            console.print(f"pictures: {plot}" if len(drawn) > 1 else f"picture: {plot}", markup=False)
+
+
+def _truth(parts: Parts, name: str | None, *, unit: str) -> Model:
+    """The part that lies there."""
+    if name is None:
+        return parts.models[0]
+    named = [model for model in parts.models if model.name == name]
+    loaded = named or load_models(name, unit=unit)
+    if len(loaded) != 1:
+        raise ValueError(f"--truth: {name!r} names {len(loaded)} models; name one")
+    return loaded[0]
+
+
+def _workspace(text: str | None, pose: str, size: float) -> Array:
+    if text is not None:
+        corners = plan_options.workspace_of(text)
+        assert corners is not None
+        return workspace_of(corners)
+    middle = np.zeros(2) if pose == "random" else pose_of(pose, "--pose")[:2, 2]
+    return np.array([middle - ACROSS / 2 * size, middle + ACROSS / 2 * size])
+
+
+def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: int) -> Array:
+    """That of the flag, or a random one at which the part lies inside of the workspace."""
+    if text != "random":
+        return pose_of(text, "--pose")
+    random = np.random.default_rng([seed, 1])
+    room = ROOM * model.size + 2.0 * sensor.tip_radius + sensor.path_error
+    for _ in range(MOST_TRIES):
+        angle = random.uniform(-math.pi, math.pi)
+        pose = pose_of(f"0,0,{math.degrees(angle)!r}", "--pose")
+        turned = model.vertices @ pose[:2, :2].T
+        low, high = workspace[0] + room - turned.min(axis=0), workspace[1] - room - turned.max(axis=0)
+        if (low <= high).all():
+            pose[:2, 2] = random.uniform(low, high)
+            return pose
+    raise ValueError(
+        "--workspace: the part has no room in it (got none of 1000 random rotations); give a larger one"
+    )
+
+
+def _verdict(result: Result, truth: Model, world_from_truth: Array) -> str:
+    """The simulation knows."""
+    x, y = world_from_truth[:2, 2]
+    angle = math.degrees(math.atan2(world_from_truth[1, 0], world_from_truth[0, 0]))
+    lies = f"{truth.name} lies at x {x:.6g}, y {y:.6g}, turned by {angle:.6g}°"
+    kept = any(one.model == truth and one.poses.contains(world_from_truth) for one in result.hypotheses)
+    return f"the truth: {lies}: {'among what is left' if kept else 'not among what is left'}."

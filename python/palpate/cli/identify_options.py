@@ -1,0 +1,163 @@
+"""Flags of `palpate identify`."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palpate.cli import options
+from palpate.cli.plan_options import numbers_of, one_of
+
+NOISES = ("uniform", "bounds", "none")
+
+
+def pose(text: str) -> str:
+    """A pose, or a random one."""
+    if text != "random":
+        numbers_of(text, 3, "a pose, X,Y,DEG, or random")
+    return text
+
+
+def until(text: str) -> str:
+    """A length and an angle."""
+    if not all(bound > 0.0 for bound in numbers_of(text, 2, "a length and an angle, LENGTH,DEG")):
+        raise typer.BadParameter(f"must be above zero (got {text!r})")
+    return text
+
+
+def until_of(text: str | None) -> tuple[float, float] | None:
+    """The same as Python has it."""
+    if text is None:
+        return None
+    length, angle = (float(part) for part in text.split(","))
+    return length, math.radians(angle)
+
+
+def probe(text: str) -> str:
+    """The name of a probe."""
+    if text != "sim":
+        raise typer.BadParameter(f"must be sim; equipment of your own is for Python (got {text!r})")
+    return text
+
+
+Probe = Annotated[
+    str,
+    typer.Option(
+        parser=probe,
+        metavar="NAME",
+        help="sim: a simulated one. Equipment of your own is for Python.",
+        rich_help_panel="Simulation",
+    ),
+]
+Truth = Annotated[
+    str | None,
+    typer.Option(
+        metavar="MODEL",
+        help="The part that lies there: a file, a bundled part, or one of MODEL by its name. Else the first.",
+        rich_help_panel="Simulation",
+        show_default=False,
+    ),
+]
+Pose = Annotated[
+    str,
+    typer.Option(
+        parser=pose,
+        metavar="X,Y,DEG",
+        help="Where it lies; random: somewhere in the workspace.",
+        rich_help_panel="Simulation",
+    ),
+]
+Noise = Annotated[
+    str,
+    typer.Option(
+        parser=one_of(NOISES),
+        metavar="NAME",
+        help="Errors of readings: uniform within the bounds, at the bounds, or none.",
+        rich_help_panel="Simulation",
+    ),
+]
+Overtravel = Annotated[
+    float,
+    typer.Option(
+        parser=options.length,
+        metavar="LENGTH",
+        help="The tip presses on by up to this before it is read; a part of the position error.",
+        rich_help_panel="Simulation",
+    ),
+]
+PositionError = Annotated[
+    float,
+    typer.Option(
+        parser=options.length,
+        metavar="LENGTH",
+        help="Bound on the error of the sensed place.",
+        rich_help_panel="Sensor",
+    ),
+]
+NormalErrorDeg = Annotated[
+    float,
+    typer.Option(
+        parser=options.direction_error_deg,
+        metavar="DEG",
+        help="Bound on the error of the sensed normal.",
+        rich_help_panel="Sensor",
+    ),
+]
+NoNormal = Annotated[
+    bool,
+    typer.Option("--no-normal", metavar="", help="Readings have no normal.", rich_help_panel="Sensor"),
+]
+TipRadius = Annotated[
+    float,
+    typer.Option(parser=options.length, metavar="LENGTH", help="Of the tip.", rich_help_panel="Sensor"),
+]
+PathError = Annotated[
+    float,
+    typer.Option(
+        parser=options.length,
+        metavar="LENGTH",
+        help="How far the tip may leave its line.",
+        rich_help_panel="Sensor",
+    ),
+]
+Blind = Annotated[
+    int | None,
+    typer.Option(
+        parser=options.whole(1, 10**6),
+        metavar="N",
+        help="Go on with blind scans until N contacts are had, instead of two independent normals.",
+        show_default=False,
+    ),
+]
+MaxTouches = Annotated[
+    int,
+    typer.Option(parser=options.whole(1, 10**6), metavar="N", help="Make at most so many guarded moves."),
+]
+Until = Annotated[
+    str | None,
+    typer.Option(
+        parser=until,
+        metavar="LENGTH,DEG",
+        help="Touch the last hypothesis until its poses differ by no more.",
+        show_default=False,
+    ),
+]
+Log = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Keep every event, as JSON lines.", show_default=False),
+]
+Resume = Annotated[
+    bool, typer.Option("--resume", metavar="", help="Go on with the log of a run that was stopped.")
+]
+Plot = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="PATH",
+        help="Draw the run: .svg, .png or .pdf; or a folder, for a picture of each step.",
+        show_default=False,
+    ),
+]
+LogFile = Annotated[Path, typer.Argument(metavar="FILE", help="The log of a run.", show_default=False)]

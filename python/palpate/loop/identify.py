@@ -1,0 +1,141 @@
+"""The loop: acquire, recognize, plan, touch, recognize anew (thesis 4.1)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path as FilePath
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from palpate._core import Contact, Miss, Model, Prior, Sensor
+from palpate.loop.entries import Event, start_event
+from palpate.loop.journal import Journal, open_log
+from palpate.loop.result import Array, Result, Step
+from palpate.loop.run import Run
+from palpate.loop.settings import Settings, settings_of
+from palpate.probe import Probe
+from palpate.probe.simulated import point_of
+
+
+def identify(  # noqa: PLR0917 - the four that every call has
+    models: Sequence[Model],
+    probe: Probe,
+    sensor: Sensor,
+    workspace: ArrayLike,
+    *,
+    prior: Prior | None = None,
+    contacts: Sequence[Contact] = (),
+    misses: Sequence[Miss] = (),
+    blind: int | None = None,
+    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
+    stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
+    directions: tuple[ArrayLike, float] | None = None,
+    margin: float = 1e-3,
+    effort: int | None = None,
+    time_limit: float | None = None,
+    features: Sequence[str] | None = None,
+    max_touches: int = 200,
+    max_hypotheses: int = 1000,
+    until: tuple[float, float] | None = None,
+    seed: int = 0,
+    unit: str = "mm",
+    log: str | FilePath | None = None,
+    resume: bool = False,
+    told: Callable[[Step], None] | None = None,
+) -> Result:
+    """Find out by touch which part it is and where: until one hypothesis is left, or no path tells (4.1).
+
+    First contacts come from a binary subdivision of the workspace, until two normals are independent (4.1).
+    Then, so long as several hypotheses are left, the tip goes along the path that tells them apart best, and
+    all is recognized anew with what it touched, what it missed and what it swept. It goes on while a path is
+    certain to tell some apart, else while an untried one is expected to leave fewer than n - 0.05 of n.
+
+    If all readings are within their bounds, no touch of the workspace's perimeter is possible and the true
+    part is among the models, then the truth is among the hypotheses that are left, whatever the status. Same
+    input, seed and replies: same run, unless `time_limit` cuts the planning short.
+
+    Args:
+        models: The parts that it may be. Their unit is that of all lengths.
+        probe: What moves and touches; `SimulatedProbe`, or your own `Probe`.
+        sensor: Bounds of its readings, for planning; each contact brings its own for recognition.
+        workspace: Two opposite corners, shape `(2, 2)`, world frame. Its perimeter is free for the tip, and
+            the part is within.
+        prior: What is known of the pose beforehand.
+        contacts: What was touched before; nothing is acquired then, unless `blind` asks for more.
+        misses: What was missed before.
+        blind: Go on with blind scans until so many contacts (with a normal, if the sensor reads them) are
+            had. None: until two normals are independent, or, without normals, until there are four contacts.
+        planner: As for `plan`; the same for `stop`, `directions`, `margin`, `effort` and `features`.
+        stop: As for `plan`.
+        directions: As for `plan`; it holds for scans too.
+        margin: As for `plan`.
+        effort: As for `plan`, for each path.
+        time_limit: Seconds, for each path.
+        features: As for `plan` and `recognize`.
+        max_touches: So many guarded moves are made at most.
+        max_hypotheses: As for `recognize`. Where there are more, blind scans go on.
+        until: A length and an angle: the last hypothesis is touched where it was not yet, until no two of
+            its poses move a corner further apart and turn more than this, or no such touch is found.
+        seed: Of the planner.
+        unit: Of the models, for the log to say.
+        log: A file to which each event is written before the next one begins, as JSON lines.
+        resume: Go on with the log, if there is one: replies in it are not asked again.
+        told: Is called with each guarded move when its reply is understood.
+
+    Returns:
+        What is left, and how it came to that. A probe that fails ends the run with the status `"fault"`; no
+        exception.
+
+    Raises:
+        ValueError: Bad input, named; a log that is there already, or of another run; a tip inside of the
+            workspace at first.
+    """
+    if not isinstance(probe, Probe):
+        raise ValueError(f"probe: must have touch, move and position (got {probe!r}); see palpate.Probe")
+    settings = settings_of(
+        models,
+        sensor,
+        workspace,
+        prior=prior,
+        contacts=contacts,
+        misses=misses,
+        blind=blind,
+        planner=planner,
+        stop=stop,
+        directions=directions,
+        margin=margin,
+        effort=effort,
+        time_limit=time_limit,
+        features=features,
+        max_touches=max_touches,
+        max_hypotheses=max_hypotheses,
+        until=until,
+        seed=seed,
+        unit=unit,
+    )
+    if log is None:
+        return _run(settings, probe, Journal(), known=[], told=told)
+    known, file = open_log(FilePath(log), resume=resume)
+    with file:
+        return _run(settings, probe, Journal(known, file), known=known, told=told)
+
+
+def _run(
+    settings: Settings,
+    probe: Probe,
+    journal: Journal,
+    *,
+    known: list[Event],
+    told: Callable[[Step], None] | None,
+) -> Result:
+    position = known[0]["position"] if known else probe.position
+    at: Array | None = None if position is None else point_of("probe.position", position)
+    start = start_event(settings, at)
+    as_read = json.loads(json.dumps(start, allow_nan=False))
+    for name in known[0] if known else ():
+        if known[0][name] != as_read.get(name):
+            raise ValueError(f"{name}: is not that of the log; resume with the same, or begin another log")
+    journal.record(start)
+    return Run(settings, probe, journal, position=at, told=told).result()

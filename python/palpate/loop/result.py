@@ -1,0 +1,97 @@
+"""What the loop answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate._core import Contact, Hypothesis, Miss, Path, Recognition
+from palpate.probe import Reply
+
+Array: TypeAlias = NDArray[np.float64]
+Purpose: TypeAlias = Literal["scan", "path", "verify"]
+Status: TypeAlias = Literal[
+    "solved",
+    "inseparable",
+    "no_usable_path",
+    "budget",
+    "unexplained",
+    "nothing_found",
+    "fault",
+    "interrupted",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One guarded move: why it was made, what it met, and what was left then."""
+
+    purpose: Purpose
+    """`"scan"`: to acquire contacts. `"path"`: to tell hypotheses apart. `"verify"`: to tighten one."""
+    start: Array
+    """Shape `(2,)`, world frame; the same for `end`."""
+    end: Array
+    """Where it was to end."""
+    route: list[Array]
+    """The free move before it: places that the tip went to, `start` last. Empty if the tip was there."""
+    reply: Reply
+    path: Path | None = None
+    """The planned path; its numbers are those of `hypotheses` of the step before."""
+    hypotheses: list[Hypothesis] | None = None
+    """What explains all evidence up to here; None where that was not asked."""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What is left, and how it came to that (4.1)."""
+
+    status: Status
+    """How it ended.
+
+    `"solved"`: one hypothesis is left. `"inseparable"`: no path tells those left apart. `"no_usable_path"`:
+    none can be used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short. `"unexplained"`: no
+    model fits. `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`: the
+    log has no end.
+    """
+    reason: str
+    """The same in a sentence."""
+    proved: bool
+    """Of `"inseparable"` and `"no_usable_path"`: whether it is proved for all paths of margin m or more."""
+    found: Recognition | None
+    """The last recognition, of all `contacts` and `misses`; None if there was no contact."""
+    contacts: list[Contact] = field(default_factory=list[Contact])
+    """Everything that was touched reliably, in order."""
+    misses: list[Miss] = field(default_factory=list[Miss])
+    """Everything that was swept freely, the border of the workspace first."""
+    steps: list[Step] = field(default_factory=list[Step])
+    """Every guarded move, in order."""
+    until_met: bool | None = None
+    """Whether the poses of the last hypothesis are as tight as `until` asks; None if it was not asked."""
+    travel: float = 0.0
+    """How far the tip went, free moves included."""
+    recognition_time: float = 0.0
+    """Seconds; the same for `planning_time`."""
+    planning_time: float = 0.0
+
+    @property
+    def hypotheses(self) -> list[Hypothesis]:
+        """What explains all contacts and misses."""
+        return [] if self.found is None else self.found.hypotheses
+
+    @property
+    def conflict(self) -> list[int] | None:
+        """Numbers of `contacts` that can't hold together, if nothing explains them."""
+        return None if self.found is None else self.found.conflict
+
+    @property
+    def paths(self) -> list[Path]:
+        """The paths that were planned and moved along."""
+        return [step.path for step in self.steps if step.path is not None]
+
+    @property
+    def touches(self) -> int:
+        """How many guarded moves were made, those that met nothing included."""
+        return len(self.steps)

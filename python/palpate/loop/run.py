@@ -1,0 +1,269 @@
+"""One run of the loop, in the order of the thesis's section 4.1."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from palpate._core import (
+    Contact,
+    Hypothesis,
+    Miss,
+    Path,
+    Recognition,
+    judge,
+    plan_report,
+    recognize,
+    verification_path,
+)
+from palpate.loop.acquire import FINER, Scans, enough, smallest_width
+from palpate.loop.entries import planned_event, recognized_event
+from palpate.loop.journal import Interrupted, Journal
+from palpate.loop.result import Array, Purpose, Result, Status, Step
+from palpate.loop.settings import Settings
+from palpate.loop.tour import Tour
+from palpate.probe import AlreadyTouching, Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
+
+HARDLY = 0.05  # so many hypotheses less, in the mean, are hardly worth a touch
+
+
+class _Ended(Exception):
+    """The run is over."""
+
+    def __init__(self, status: Status, reason: str, *, proved: bool = False) -> None:
+        super().__init__(reason)
+        self.status: Status = status
+        self.reason = reason
+        self.proved = proved
+
+
+class Run:
+    """The evidence so far, and what to do next."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        probe: Probe | None,
+        journal: Journal,
+        *,
+        position: Array | None,
+        told: Callable[[Step], None] | None = None,
+    ) -> None:
+        self._settings = settings
+        self._journal = journal
+        self._tour = Tour(settings, probe, journal, position=position)
+        self._told = told or (lambda step: None)
+        self._contacts: list[Contact] = list(settings.contacts)
+        self._misses: list[Miss] = [*settings.border, *settings.misses]
+        self._steps: list[Step] = []
+        self._num_told = 0
+        self._found: Recognition | None = None
+        self._seconds = {"recognition": 0.0, "planning": 0.0}
+        self._width = smallest_width(settings.models)
+        self._scans = Scans(settings.workspace, self._width / FINER, settings.directions)
+
+    def result(self) -> Result:
+        """Run to the end."""
+        try:
+            end = self._end()
+            self._conclude(end)
+        except Interrupted:
+            end = _Ended("interrupted", "the log ends here")
+        until, left = self._settings.until, [] if self._found is None else self._found.hypotheses
+        return Result(
+            end.status,
+            end.reason,
+            end.proved,
+            self._found,
+            self._contacts,
+            self._misses,
+            self._steps,
+            until_met=None if until is None else len(left) == 1 and _is_tight(left[0], until),
+            travel=self._tour.travel,
+            recognition_time=self._seconds["recognition"],
+            planning_time=self._seconds["planning"],
+        )
+
+    def _end(self) -> _Ended:
+        """What the loop comes to."""
+        try:
+            self._acquire()
+            while True:
+                self._decide(self._recognize())
+        except _Ended as end:
+            return end
+
+    def _conclude(self, end: _Ended) -> None:
+        """The last event; what was touched before a fault is recognized too."""
+        if end.status == "fault" and self._contacts and self._found is None:
+            self._recognize()
+        self._tell()
+        self._journal.record(
+            {
+                "event": "end",
+                "status": end.status,
+                "reason": end.reason,
+                "proved": end.proved,
+                "touches": len(self._steps),
+                "travel": self._tour.travel,
+            }
+        )
+
+    def _acquire(self) -> None:
+        """First contacts, by binary subdivision of the workspace."""
+        settings = self._settings
+        if settings.contacts and settings.blind is None:
+            return
+        finest = self._width if settings.blind is None else self._width / FINER
+        while not enough(self._contacts, settings.sensor, settings.blind) and self._scan(finest):
+            pass
+        if not self._contacts:
+            raise _Ended("nothing_found", "no scan of the workspace made a reliable contact")
+
+    def _scan(self, finest: float) -> bool:
+        """The next scan; False if all are made."""
+        scan = self._scans.next(finest)
+        if scan is None:
+            return False
+        reply = self._touch(scan.start, scan.end, purpose="scan")
+        self._scans.made(missed=isinstance(reply, Miss))
+        return True
+
+    def _recognize(self) -> Recognition:
+        """All evidence anew."""
+        settings = self._settings
+        began = time.perf_counter()
+        found = recognize(
+            settings.models,
+            self._contacts,
+            features=settings.features,
+            misses=self._misses,
+            prior=settings.prior,
+            max_hypotheses=settings.max_hypotheses,
+        )
+        self._seconds["recognition"] += time.perf_counter() - began
+        self._found = found
+        self._journal.record(recognized_event(found))
+        if self._steps:
+            self._steps[-1] = replace(self._steps[-1], hypotheses=found.hypotheses)
+        self._tell()
+        return found
+
+    def _decide(self, found: Recognition) -> None:
+        """Touch once more, or end."""
+        if not found.complete:
+            if not self._scan(self._width / FINER):
+                raise _Ended("budget", "more hypotheses are left than are wanted, and no scan is")
+        elif not found.hypotheses:
+            raise _Ended("unexplained", "no model explains what was touched, missed and swept")
+        elif len(found.hypotheses) == 1:
+            self._verify(found.hypotheses[0])
+        else:
+            self._tell_apart(found.hypotheses)
+
+    def _verify(self, last: Hypothesis) -> None:
+        """Touch the last hypothesis until its poses are tight enough."""
+        settings = self._settings
+        if settings.until is None:
+            raise _Ended("solved", "one hypothesis is left")
+        if _is_tight(last, settings.until):
+            raise _Ended("solved", "one hypothesis is left, its poses as tight as was asked")
+        began = time.perf_counter()
+        path = verification_path(last, settings.sensor, **settings.placed, **settings.judged)
+        self._seconds["planning"] += time.perf_counter() - began
+        if path is None:
+            raise _Ended("solved", "one hypothesis is left; no touch was found that makes its poses tighter")
+        self._touch(path.start, path.end, purpose="verify", path=path)
+
+    def _tell_apart(self, hypotheses: list[Hypothesis]) -> None:
+        """Go along the best path, if it tells anything."""
+        began = time.perf_counter()
+        path, why, proved = self._plan(hypotheses)
+        self._seconds["planning"] += time.perf_counter() - began
+        cut_short = why in ("time", "effort")
+        if path is None:
+            if cut_short:
+                raise _Ended("budget", "planning was cut short before it found a path that can be used")
+            raise _Ended("no_usable_path", "no path that can be used was found", proved=proved)
+        if not path.guaranteed and path.expected_score >= len(hypotheses) - HARDLY:
+            if cut_short:
+                raise _Ended("budget", "planning was cut short before it found a path that tells anything")
+            raise _Ended(
+                "inseparable", "no path is certain or expected to tell those left apart", proved=proved
+            )
+        self._touch(path.start, path.end, purpose="path", path=path)
+
+    def _plan(self, hypotheses: list[Hypothesis]) -> tuple[Path | None, str, bool]:
+        """The path, why it is that one, and whether it is proved best; that of the log, if it has one."""
+        settings = self._settings
+        known = self._journal.peek("planned")
+        if known is None:
+            tried = [(step.start, step.end - step.start) for step in self._steps]
+            report = plan_report(
+                hypotheses,
+                settings.sensor,
+                tried=tried,
+                **settings.placed,
+                **settings.judged,
+                **settings.searched,
+            )
+            self._journal.record(planned_event(report))
+            return report.path, report.why, report.proved
+        self._journal.record(known)
+        path = None
+        if known["path"] is not None:
+            line = (known["path"][name] for name in ("start", "direction", "length"))
+            path = judge(hypotheses, settings.sensor, *line, **settings.judged)
+        return path, known["why"], known["proved"]
+
+    def _touch(self, start: Array, end: Array, *, purpose: Purpose, path: Path | None = None) -> Reply:
+        """The tip goes there and makes the guarded move; what it says is evidence."""
+        if len(self._steps) >= self._settings.max_touches:
+            raise _Ended("budget", f"{self._settings.max_touches} guarded moves were made")
+        self._tell()
+        route, failed = self._tour.go_to(start)
+        if failed is not None:
+            raise _Ended("fault", _reason(failed))
+        reply = self._tour.touch(start, end, purpose)
+        self._take(reply)
+        self._steps.append(Step(purpose, start, end, route, reply, path))
+        if isinstance(reply, AlreadyTouching | UnexpectedTouch | Fault):
+            raise _Ended("fault", _reason(reply))
+        return reply
+
+    def _tell(self) -> None:
+        """Of each step once, when all is known of it."""
+        if self._num_told < len(self._steps):
+            self._num_told = len(self._steps)
+            self._told(self._steps[-1])
+
+    def _take(self, reply: Reply) -> None:
+        """As evidence. An unexpected touch is none: the bounds of readings don't hold for free moves."""
+        if isinstance(reply, Miss):
+            self._misses.append(reply)
+        elif isinstance(reply, Skid):
+            self._misses.append(reply.free)
+        elif isinstance(reply, Hit):
+            self._contacts.append(reply.contact)
+
+
+def _is_tight(last: Hypothesis, until: tuple[float, float]) -> bool:
+    translation, rotation = until
+    poses = last.poses
+    return poses.rotation_bound <= rotation and all(
+        poses.excursion(vertex) <= translation for vertex in last.model.vertices
+    )
+
+
+def _reason(reply: Reply) -> str:
+    match reply:
+        case AlreadyTouching():
+            return "the tip touched something where a guarded move was to begin"
+        case UnexpectedTouch():
+            return f"a free move touched something at {np.asarray(reply.where).tolist()}"
+        case Fault():
+            return f"the probe can't go on: {reply.reason}"
+    return repr(reply)

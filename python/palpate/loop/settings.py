@@ -1,0 +1,145 @@
+"""What a run of the loop is to do; everything that its outcome depends on beside the probe's answers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from palpate._core import Contact, Miss, Model, Prior, Sensor
+from palpate.contacts.entry import mm_per
+from palpate.loop.route import Array, workspace_of
+
+
+@dataclass(frozen=True)
+class Settings:
+    """As `identify` takes them."""
+
+    models: list[Model]
+    sensor: Sensor
+    workspace: Array
+    prior: Prior | None
+    contacts: list[Contact]
+    misses: list[Miss]
+    blind: int | None
+    planner: str
+    stop: Any
+    directions: tuple[list[float], float] | None
+    margin: float
+    effort: int | None
+    time_limit: float | None
+    features: list[str] | None
+    max_touches: int
+    max_hypotheses: int
+    until: tuple[float, float] | None
+    seed: int
+    unit: str
+
+    @property
+    def judged(self) -> dict[str, Any]:
+        """What a judge is to know."""
+        return {"features": self.features, "margin": self.margin, "seed": self.seed}
+
+    @property
+    def placed(self) -> dict[str, Any]:
+        """Where paths may run."""
+        return {"workspace": self.workspace, "directions": self.directions}
+
+    @property
+    def searched(self) -> dict[str, Any]:
+        """How a planner searches."""
+        return {
+            "planner": self.planner,
+            "stop": self.stop,
+            "effort": self.effort,
+            "time_limit": self.time_limit,
+        }
+
+    @property
+    def border(self) -> list[Miss]:
+        """The perimeter of the workspace, which is assumed to be unoccupied (4.1)."""
+        (x0, y0), (x1, y1) = self.workspace
+        corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
+        tip = {"tip_radius": self.sensor.tip_radius, "path_error": self.sensor.path_error}
+        return [Miss(a, b, **tip) for a, b in pairwise(corners)]
+
+
+def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) -> Settings:
+    """Checked; what the core checks is left to it.
+
+    Raises:
+        ValueError: Naming the argument.
+    """
+    listed = _all_of("models", models, Model)
+    if not listed:
+        raise ValueError("models: must not be empty (got []); give the parts that it may be")
+    if any(model.dimension != 2 for model in listed):
+        raise ValueError("models: only planar parts can be identified so far; give models of dimension 2")
+    if not isinstance(sensor, Sensor):
+        raise ValueError(f"sensor: must be a Sensor (got {sensor!r}); give palpate.Sensor")
+    mm_per(given["unit"], "unit")
+    given["contacts"] = _all_of("contacts", given["contacts"], Contact)
+    given["misses"] = _all_of("misses", given["misses"], Miss)
+    for name in ("max_touches", "max_hypotheses", "blind", "effort"):
+        if given[name] is not None:
+            _check_whole(name, given[name], 1)
+    _check_whole("seed", given["seed"], 0)
+    if isinstance(given["stop"], list):
+        given["stop"] = tuple(given["stop"])
+    given["until"] = _until(given["until"])
+    given["directions"] = _directions(given["directions"])
+    if given["features"] is not None:
+        given["features"] = list(given["features"])
+    return Settings(listed, sensor, workspace_of(workspace), **given)
+
+
+def _all_of(name: str, members: Any, kind: Any) -> list[Any]:
+    remedy = f"give a list of palpate.{kind.__name__}"
+    if isinstance(members, str) or not isinstance(members, Sequence):
+        raise ValueError(f"{name}: must be a sequence (got {members!r}); {remedy}")
+    for k, member in enumerate(members):
+        if not isinstance(member, kind):
+            raise ValueError(f"{name}[{k}]: must be a {kind.__name__} (got {member!r}); {remedy}")
+    return list(members)
+
+
+def _check_whole(name: str, value: Any, least: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        raise ValueError(
+            f"{name}: must be a whole number, {least} or more (got {value!r}); give an int in range"
+        )
+
+
+def _until(value: Any) -> tuple[float, float] | None:
+    if value is None:
+        return None
+    try:
+        translation, rotation = (float(bound) for bound in value)
+    except (TypeError, ValueError):
+        translation = rotation = math.nan
+    if not (translation > 0.0 and rotation > 0.0):
+        raise ValueError(
+            f"until: must be a length and an angle above zero (got {value!r}); give (translation, rotation)"
+        )
+    return translation, rotation
+
+
+def _directions(value: Any) -> tuple[list[float], float] | None:
+    if value is None:
+        return None
+    try:
+        axis, half = np.array(value[0], dtype=float), float(value[1])
+    except (TypeError, ValueError, IndexError):
+        axis, half = np.array([]), math.nan
+    good = axis.shape == (2,) and np.isfinite(axis).all() and axis.any() and 0.0 <= half <= math.pi
+    if not good:
+        raise ValueError(
+            f"directions: must be a direction and a half angle from 0 to π (got {value!r}); "
+            "give ((dx, dy), half_angle), the angle in radians"
+        )
+    return axis.tolist(), half

@@ -1,0 +1,119 @@
+"""The tip on its way: guarded moves, the free moves between them, and what was answered."""
+
+from __future__ import annotations
+
+import math
+from typing import cast
+
+import numpy as np
+
+from palpate._core import Miss
+from palpate.loop.entries import Event, reply_event, reply_in
+from palpate.loop.journal import Journal
+from palpate.loop.result import Purpose
+from palpate.loop.route import Array, length_of, nearest_on_border, on_border, perimeter_route, rest_of
+from palpate.loop.settings import Settings
+from palpate.probe import Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
+
+
+class Tour:
+    """Moves a probe, by way of the journal: what that knows is not asked again."""
+
+    def __init__(
+        self, settings: Settings, probe: Probe | None, journal: Journal, *, position: Array | None
+    ) -> None:
+        self._workspace = settings.workspace
+        self._slack = (
+            settings.sensor.position_error
+            + settings.sensor.path_error
+            + settings.margin * max(model.size for model in settings.models)
+        )
+        self._probe = probe
+        self._journal = journal
+        self._at = position
+        self._back: Array | None = None
+        self._asked = False
+        self.travel = 0.0
+
+    def go_to(self, start: Array) -> tuple[list[Array], UnexpectedTouch | Fault | None]:
+        """Bring the tip to where a guarded move begins: back as it came, and along the perimeter."""
+        if self._at is None:
+            return [], None
+        points: list[Array] = [] if self._back is None else [self._back]
+        outside = points[-1] if points else self._at
+        nearest = nearest_on_border(self._workspace, outside)
+        if nearest is None:
+            raise ValueError(
+                f"probe: its tip is at {outside.tolist()}, in the workspace; bring it to the border first"
+            )
+        points += [] if np.array_equal(nearest, outside) or on_border(self._workspace, outside) else [nearest]
+        points += perimeter_route(self._workspace, nearest, start)
+        if not points:
+            return [], None
+        self._journal.record({"event": "move", "points": [point.tolist() for point in points]})
+        way = [self._at, *points]
+        reply = reply_in(self._journal.answer(lambda: self._moved(way)))
+        if reply is not None:
+            if not isinstance(reply, UnexpectedTouch | Fault):
+                raise ValueError(
+                    f"probe: a free move was answered {reply!r}; it must be None, UnexpectedTouch or Fault"
+                )
+            return points, reply
+        self.travel += length_of(way)
+        self._at, self._back = start, None
+        return points, None
+
+    def touch(self, start: Array, end: Array, purpose: Purpose) -> Reply:
+        """Make the guarded move; the tip is at its start."""
+        event: Event = {"event": "touch", "purpose": purpose, "start": start.tolist(), "end": end.tolist()}
+        self._journal.record(event)
+        reply = reply_in(self._journal.answer(lambda: self._touched(start, end)))
+        if reply is None:
+            raise ValueError("probe: a guarded move was answered by nothing; it must answer a reply")
+        stopped = end
+        if isinstance(reply, Hit):
+            stopped = reply.contact.center
+        elif isinstance(reply, Skid):
+            stopped = reply.free.end
+        self.travel += math.dist(start, stopped)
+        self._at = stopped
+        on_far_side = isinstance(reply, Miss) and on_border(self._workspace, end)
+        self._back = None if on_far_side else start
+        return reply
+
+    def _moved(self, way: list[Array]) -> Event:
+        probe = self._live()
+        points = self._taken_up(way)
+        return reply_event(probe.move(np.array(points)) if points else None)
+
+    def _touched(self, start: Array, end: Array) -> Event:
+        probe = self._live()
+        # Stopped on its way: it goes back as it came.
+        if self._taken_up([start, end]) and self._position() is not None:
+            if not np.array_equal(cast(Array, self._position()), start):
+                failed = probe.move(np.array([start]))
+                if failed is not None:
+                    return reply_event(failed)
+        return reply_event(probe.touch(start, end))
+
+    def _live(self) -> Probe:
+        assert self._probe is not None
+        return self._probe
+
+    def _position(self) -> Array | None:
+        position = self._live().position
+        return None if position is None else np.array(position, dtype=float)
+
+    def _taken_up(self, way: list[Array]) -> list[Array]:
+        """What is left of a way: a run that was killed may have stopped on it."""
+        first, self._asked = not self._asked, True
+        position = self._position() if first else None
+        if position is None:
+            return way[1:]
+        rest = rest_of(way, position, within=self._slack)
+        if rest is None:
+            raise ValueError(
+                f"probe: its tip is at {position.tolist()}, and the run goes on from {way[0].tolist()}; "
+                "bring it there first"
+            )
+        return rest

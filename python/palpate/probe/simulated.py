@@ -1,0 +1,227 @@
+"""A probe that touches a model at a pose, with errors within bounds."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from typing import Any, Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from palpate._core import Contact, FirstContact, Miss, Model, Sensor
+from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Reply, Skid, UnexpectedTouch
+
+Array: TypeAlias = NDArray[np.float64]
+Noise: TypeAlias = Literal["uniform", "bounds", "none"]
+
+
+class SimulatedProbe:
+    """A disc-shaped tip in the plane, moved against the true part at its true pose (thesis 4.1, 4.3).
+
+    The touch itself is exact; on it come the errors of the sensor. The tip moves parallel to its line, off
+    it by up to `path_error`. It presses on by up to `overtravel` before it is read. The sensed centre is
+    then off by so much more that the whole error stays within `position_error`, the sensed normal within
+    `normal_error`. Free moves are exact. Touches on untouchable faces are skids, as those beyond the largest
+    reliable incidence are.
+
+    Same seed and same move, same reply, whatever was done before; a move that is made again has other
+    errors. A touch sets the tip down at its start, wherever it was. Implements `Probe`.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        world_from_model: ArrayLike,
+        sensor: Sensor,
+        *,
+        seed: int = 0,
+        noise: Noise = "uniform",
+        overtravel: float = 0.0,
+        believed: Sensor | None = None,
+        position: ArrayLike | None = None,
+    ) -> None:
+        """A probe and the part that it touches.
+
+        Args:
+            model: The true part; it is touched as it is drawn, whatever its slacks are.
+            world_from_model: Its pose, a rigid motion, shape `(3, 3)`.
+            sensor: Bounds of the errors that are made, tip radius and largest reliable incidence.
+            seed: Chooses the errors.
+            noise: `"uniform"`: errors uniform within the bounds, of the centre in the disc. `"bounds"`:
+                every error as large as it may be, its sign or its direction at random. `"none"`: no errors.
+            overtravel: How far the tip may press on in its direction of travel before it is read: a
+                one-sided error, at most `position_error`, of which it is a part.
+            believed: Bounds that replies claim; those of `sensor` if not given. Smaller ones make a probe
+                whose readings lie outside of their stated bounds.
+            position: Where the tip is at first, shape `(2,)`; None: not known.
+
+        Raises:
+            ValueError: A model that is not planar, another shape, no rigid motion, an unknown noise, a
+                negative seed, an overtravel that does not fit into the position error, numbers that are not
+                finite.
+        """
+        _check(model, sensor, believed, seed=seed, noise=noise)
+        model.distance(world_from_model, (0.0, 0.0))  # refuses what is no pose
+        if not (math.isfinite(overtravel) and 0.0 <= overtravel <= sensor.position_error):
+            raise ValueError(
+                f"overtravel: must be from zero to the position error, {sensor.position_error:g} "
+                f"(got {overtravel!r}); give less, or a sensor with a larger position error"
+            )
+        self._model = model
+        self._world_from_model = np.array(world_from_model, dtype=float)
+        self._sensor = sensor
+        self._believed = sensor if believed is None else believed
+        self._noise: Noise = noise
+        self._overtravel = float(overtravel)
+        self._seed = seed
+        self._times: Counter[bytes] = Counter()
+        self._random = np.random.default_rng(seed)
+        self._position = None if position is None else point_of("position", position)
+        self._came_from: Array | None = None
+
+    @property
+    def position(self) -> Array | None:
+        """Where the tip's centre is sensed to be, shape `(2,)`; None before the first move, unless given."""
+        return None if self._position is None else self._position.copy()
+
+    def touch(self, start: ArrayLike, end: ArrayLike) -> Reply:
+        """Make one straight guarded move; see `Probe.touch`.
+
+        Raises:
+            ValueError: Another shape, a number that is not finite, a move of no length.
+        """
+        start, end = point_of("start", start), point_of("end", end)
+        way = end - start
+        length = float(np.hypot(*way))
+        if not length > 0.0:
+            raise ValueError(
+                f"end: must differ from start (got {end.tolist()} for both); give a move with a length"
+            )
+        direction = way / length
+        left = np.array([-direction[1], direction[0]])
+        self._random = self._errors_of(start, end)
+        begin = start + self._error(self._sensor.path_error) * left
+        self._position, self._came_from = start, start
+        if self._distance(begin) <= self._sensor.tip_radius:
+            return AlreadyTouching()
+        met = self._first_contact(begin, direction)
+        if met is None or met.depth > length:
+            self._position = end
+            return self._free(start, end)
+        center = self._sensed_center(met, direction)
+        self._position = center
+        if not met.touchable or -direction @ met.normal < math.cos(self._sensor.max_incidence):
+            short = float(direction @ (center - start)) - self._believed.position_error
+            return Skid(self._free(start, start + max(0.0, short) * direction))
+        return Hit(self._contact(start, direction, center, met=met))
+
+    def move(self, points: ArrayLike) -> UnexpectedTouch | Fault | None:
+        """Move freely; see `Probe.move`. The way back to the start of the last guarded move is free.
+
+        Raises:
+            ValueError: Another shape, or a number that is not finite.
+        """
+        for k, point in enumerate(np.asarray(points, dtype=float)):
+            point = point_of(f"points[{k}]", point)
+            back = self._came_from is not None and np.array_equal(point, self._came_from)
+            if self._position is not None and not back:
+                where = self._obstacle(self._position, point)
+                if where is not None:
+                    self._position, self._came_from = where, None
+                    return UnexpectedTouch(where)
+            self._position, self._came_from = point, None
+        return None
+
+    def _obstacle(self, start: Array, end: Array) -> Array | None:
+        """Where a free move touches."""
+        if self._distance(start) < self._sensor.tip_radius:
+            return start
+        way = end - start
+        length = float(np.hypot(*way))
+        if length == 0.0:
+            return None
+        met = self._first_contact(start, way / length)
+        return met.center.copy() if met is not None and met.depth <= length else None
+
+    def _errors_of(self, start: Array, end: Array) -> np.random.Generator:
+        """Chosen by the move itself, so that a run that is taken up again meets the same errors."""
+        move = np.concatenate([start, end]) + 0.0  # no negative zeros
+        self._times[move.tobytes()] += 1
+        words = np.frombuffer(move.astype("<f8").tobytes(), dtype="<u4")
+        return np.random.default_rng([self._seed, self._times[move.tobytes()], *words.tolist()])
+
+    def _distance(self, point: Array) -> float:
+        return self._model.distance(self._world_from_model, point)
+
+    def _first_contact(self, start: Array, direction: Array) -> FirstContact | None:
+        return self._model.first_contact(self._world_from_model, start, direction, self._sensor.tip_radius)
+
+    def _free(self, start: Array, end: Array) -> Miss:
+        believed = self._believed
+        return Miss(start, end, tip_radius=believed.tip_radius, path_error=believed.path_error)
+
+    def _sensed_center(self, met: FirstContact, direction: Array) -> Array:
+        pressed = self._overtravel * (abs(self._error(1.0)) if self._overtravel else 0.0)
+        room = self._sensor.position_error - self._overtravel
+        radius = 0.0 if self._noise == "none" else room
+        if self._noise == "uniform":
+            radius *= math.sqrt(self._random.uniform())
+        toward = self._random.uniform(-math.pi, math.pi)
+        error = radius * np.array([math.cos(toward), math.sin(toward)])
+        return np.asarray(met.center + pressed * direction + error)
+
+    def _contact(self, start: Array, direction: Array, center: Array, *, met: FirstContact) -> Contact:
+        believed = self._believed
+        reads_normal = believed.normal_error is not None
+        turn = self._error(self._sensor.normal_error or 0.0)
+        return Contact.from_tip(
+            center,
+            believed.tip_radius,
+            position_error=believed.position_error,
+            normal=_turned(met.normal, turn) if reads_normal else None,
+            normal_error=believed.normal_error,
+            approach=direction,
+            start=start if believed.path_error <= believed.position_error else None,
+        )
+
+    def _error(self, bound: float) -> float:
+        """An error of one kind; drawn also where there is none, so that those of others stay the same."""
+        drawn = self._random.uniform(-1.0, 1.0)
+        return {"uniform": drawn, "bounds": math.copysign(1.0, drawn), "none": 0.0}[self._noise] * bound
+
+
+def _check(model: Any, sensor: Any, believed: Any, *, seed: Any, noise: Any) -> None:
+    if not isinstance(model, Model):
+        raise ValueError(f"model: must be a Model (got {model!r}); give palpate.Model")
+    if model.dimension != 2:
+        raise ValueError(
+            f"model: only planar parts can be simulated (got {model.name!r} of dimension {model.dimension}); "
+            "give one of dimension 2"
+        )
+    for name, value in (("sensor", sensor), ("believed", believed)):
+        if not isinstance(value, Sensor) and not (name == "believed" and value is None):
+            raise ValueError(f"{name}: must be a Sensor (got {value!r}); give palpate.Sensor")
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise ValueError(f"seed: must be a whole number, zero or more (got {seed!r}); give another one")
+    if noise not in get_args(Noise):
+        raise ValueError(f'noise: unknown (got {noise!r}); give "uniform", "bounds" or "none"')
+
+
+def point_of(argument: str, value: ArrayLike) -> Array:
+    """A point of the plane, or a line that names the argument."""
+    try:
+        point = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        point = np.array([])
+    if point.shape != (2,):
+        raise ValueError(f"{argument}: must be a point of the plane, shape (2,) (got {value!r}); give (x, y)")
+    if not np.isfinite(point).all():
+        raise ValueError(f"{argument}: must be finite (got {value!r}); give finite numbers")
+    return point
+
+
+def _turned(direction: Array, angle: float) -> Array:
+    cosine, sine = math.cos(angle), math.sin(angle)
+    x, y = direction
+    return np.array([cosine * x - sine * y, sine * x + cosine * y])
