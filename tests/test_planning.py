@@ -210,6 +210,65 @@ def test_the_line_of_a_path_is_that_path_again(hands, path):
         assert palpate.judge(other, usual_sensor(), path.start, path.direction, path.length) == path
 
 
+def test_a_line_that_ends_before_anything_has_no_fault(hands):
+    path = palpate.judge(hands, usual_sensor(), (0, 300), (0, -1), 1.0)
+    assert not path.faults
+    assert path.score == len(hands) and path.margin == 0.0
+    assert path.no_contact == list(range(len(hands))) and not any(o.touches for o in path.outcomes)
+    assert palpate.judge(hands, usual_sensor(), (0, 300), (0, -1)).faults
+
+
+def test_a_direction_may_have_any_length(hands):
+    paths = [
+        palpate.judge(hands, usual_sensor(), (0, 300), (0, -y)) for y in (1.0, 1e-300, 5e-324, 1e308)
+    ]
+    assert all(path == paths[0] for path in paths)
+    with pytest.raises(ValueError, match="direction: must not be zero"):
+        palpate.judge(hands, usual_sensor(), (0, 300), (0, 0))
+
+
+@pytest.mark.parametrize("planner", ["auto", "complete", "grimson"])
+@pytest.mark.parametrize("half", [0.0, 1e-12, 1e-5, 2e-4, 0.01])
+def test_one_direction_is_enough(hands, planner, half):
+    """What `Lines` finds in the only direction that is allowed, planners find."""
+    angle = math.radians(45.0)
+    lines = palpate.Lines(hands, usual_sensor())
+    best = min(
+        (path.score for aside in np.linspace(-100, 100, 401) if (path := lines.judge(angle, aside)) and not path.faults),
+        default=math.inf,
+    )
+    cone = ((math.cos(angle), math.sin(angle)), half)
+    report = palpate.plan_report(hands, usual_sensor(), planner=planner, directions=cone)
+    assert best < len(hands) and report.path is not None and report.path.score <= best
+    assert math.acos(min(1.0, report.path.direction @ np.array(cone[0]))) <= half + 1e-7
+    away = ((math.cos(angle), math.sin(angle)), half)
+    assert palpate.plan(hands, usual_sensor(), planner=planner, directions=away) == report.path
+
+
+def test_exact_readings_are_answered_whatever_the_rounding(hands):
+    sensor = palpate.Sensor(0.0, None, math.radians(60))
+    path = palpate.plan(hands, sensor)
+    for outcome in path.outcomes:
+        for touch in outcome.touches:
+            for depth in np.linspace(*touch.depth, 50):
+                contact = palpate.Contact(path.start + depth * path.direction, position_error=0.0)
+                assert outcome.hypothesis in path.outcome_of(contact)
+
+
+def test_schneiter_heeds_the_time(hands):
+    many, sensor = list(hands) * 25, palpate.Sensor(8.0, None, 1.047, path_error=5.0)
+    began = time.monotonic()
+    report = palpate.plan_report(many, sensor, planner="schneiter", cells=2048, time_limit=0.01)
+    assert report.why == "time" and time.monotonic() - began < 20.0
+
+
+def test_a_workspace_that_cuts_in_leaves_nothing_proved(hands):
+    narrow = palpate.Sensor(0.5, math.radians(4), 0.35, path_error=0.5)
+    corners = [[-60, -20], [130, 200]]
+    report = palpate.plan_report(hands, narrow, planner="complete", workspace=corners, effort=2000)
+    assert not report.proved and report.bound == 1.0
+
+
 def test_lines_that_were_tried_are_refused_where_nothing_is_certain(hands, path):
     tried = [(path.start, path.direction)]
     assert path.guaranteed and palpate.plan(hands, usual_sensor(), tried=tried) == path

@@ -18,12 +18,17 @@ from palpate._core import (
 )
 
 
+def _degrees(angle: float) -> float:
+    """Of radians that were degrees: without the rounding of both ways."""
+    return round(math.degrees(angle), 12)
+
+
 def sensor_entry(sensor: Sensor) -> dict[str, Any]:
     """A sensor, its angles in degrees."""
     return {
         "position_error": sensor.position_error,
-        "normal_error_deg": None if sensor.normal_error is None else math.degrees(sensor.normal_error),
-        "max_incidence_deg": math.degrees(sensor.max_incidence),
+        "normal_error_deg": None if sensor.normal_error is None else _degrees(sensor.normal_error),
+        "max_incidence_deg": _degrees(sensor.max_incidence),
         "tip_radius": sensor.tip_radius,
         "path_error": sensor.path_error,
     }

@@ -116,7 +116,7 @@ pub(crate) fn vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<DVec2
 /// A direction of the plane, shape `(2,)`, of any length but zero; made unit.
 pub(crate) fn direction(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<DVec2> {
     let nowhere = || refuse(argument, "must not be zero", value, "give a direction, of any length");
-    vector(argument, value)?.try_normalize().ok_or_else(nowhere)
+    palpate::plan::normalized(vector(argument, value)?).ok_or_else(nowhere)
 }
 
 /// A length, zero or more.

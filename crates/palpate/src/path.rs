@@ -48,9 +48,13 @@ impl Path {
     }
 
     /// A sensed centre and normal as the path sees them.
+    ///
+    /// A centre that is off the line by no more than rounding is on it, whatever the errors.
     #[must_use]
     pub fn reading(&self, center: DVec2, normal: Option<DVec2>) -> Reading {
         let (depth, aside) = self.line.coordinates(center);
+        let rounding = 1e-12 * (center.length() + self.line.start.length());
+        let aside = if aside.abs() <= rounding { 0.0 } else { aside };
         Reading { depth, aside, normal: normal.map(DVec2::to_angle) }
     }
 
@@ -92,37 +96,34 @@ impl Path {
 /// It is so long that it passes the last possible contact also when shifted by its margin. One of a given length that is
 /// shorter has no margin, and may end before a contact.
 pub(crate) fn judged(scene: &Scene, members: &[usize], line: &Line, length: Option<f64>) -> Path {
-    let mut outcomes = match scene.outcomes(line, members, 0.0) {
-        Ok(outcomes) => outcomes,
-        // All of them, for whoever wants to know.
-        Err(_) => members
-            .iter()
-            .flat_map(|member| match scene.outcomes(line, &[*member], 0.0) {
-                Ok(outcomes) | Err(outcomes) => outcomes,
-            })
-            .collect(),
+    let within = |length: f64| -> Vec<Outcome> {
+        members.iter().map(|member| scene.outcome(line, *member, 0.0, length)).collect()
     };
-    let endless = Verdict::new(&outcomes, &scene.sensor);
-    let kept = if endless.fault.is_none() { scene.margin_of(line, members, &endless) } else { 0.0 };
+    let endless = within(f64::INFINITY);
+    let verdict = Verdict::new(&endless, &scene.sensor);
+    let kept = if verdict.fault.is_none() { scene.margin_of(line, members, &verdict) } else { 0.0 };
     let at_margin = scene.outcomes(line, members, kept);
-    let needed = last_contact(at_margin.as_ref().unwrap_or(&outcomes))
+    let needed = last_contact(at_margin.as_ref().unwrap_or(&endless))
         + scene.sensor.position_error
         + scene.sensor.path_error
         + scene.margin;
-    let length = length.unwrap_or(needed);
-    let margin = if length >= needed { kept } else { 0.0 };
-    for outcome in &mut outcomes {
-        // A shorter path may end before the contact.
-        outcome.may_miss |= outcome.touches.iter().any(|touch| touch.depth.high >= length);
-        outcome.touches.retain(|touch| touch.depth.low <= length);
-    }
-    let verdict = Verdict::new(&outcomes, &scene.sensor);
+    let (length, margin) = match length {
+        Some(length) if length < needed => (length, 0.0),
+        given => (given.unwrap_or(needed), kept),
+    };
+    let (outcomes, verdict) = if length < needed {
+        let outcomes = within(length);
+        let verdict = Verdict::new(&outcomes, &scene.sensor);
+        (outcomes, verdict)
+    } else {
+        (endless, verdict)
+    };
     Path {
         line: *line,
         length,
         margin,
         score: verdict.score(),
-        expected_score: scene.expected_score(line, members, &outcomes),
+        expected_score: scene.expected_score(line, members, &outcomes, length),
         classes: verdict.classes(),
         no_contact: (0..outcomes.len()).filter(|k| outcomes[*k].may_miss).collect(),
         fault: verdict.fault,

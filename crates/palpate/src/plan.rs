@@ -10,6 +10,7 @@ use crate::hypothesis::Hypothesis;
 use crate::path::{Path, judged};
 use crate::plane::planners;
 use crate::plane::{Line, Scene};
+use crate::recognize::{check_reach, check_tip};
 
 pub use crate::plane::planners::EllisCounters;
 use crate::sensor::Sensor;
@@ -17,7 +18,8 @@ use crate::sensor::Sensor;
 /// Where candidate paths come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Planner {
-    /// Quick: lines in evenly spaced directions, the most promising judged; and `complete` where that tells nothing.
+    /// Quick: lines in evenly spaced directions, the most promising judged; where that tells nothing, `grimson` and then
+    /// `complete`.
     #[default]
     Auto,
     /// All lines, by branch and bound: no usable path of margin ≥ m is better.
@@ -40,7 +42,10 @@ pub enum Planner {
 
 impl Planner {
     /// Grimson's, with the usual grid.
-    pub const GRIMSON: Self = Self::Grimson { cells: 256, directions: 72 };
+    pub const GRIMSON: Self = Self::Grimson { cells: Self::USUAL_GRID[0], directions: Self::USUAL_GRID[1] };
+
+    /// Cells and directions.
+    const USUAL_GRID: [usize; 2] = [256, 72];
 
     /// Schneiter's, with the usual grid.
     pub const SCHNEITER: Self = Self::Schneiter { cells: 256 };
@@ -157,7 +162,7 @@ pub fn plan_until(
     settings: &PlanSettings,
     late: &dyn Fn() -> bool,
 ) -> Result<Plan, Error> {
-    check(hypotheses, settings)?;
+    check(hypotheses, sensor, settings)?;
     let scene = Scene::new(hypotheses, sensor, settings);
     Ok(plan_among(&scene, &scene.everyone(), settings, late))
 }
@@ -175,7 +180,7 @@ pub fn judge(
     length: Option<f64>,
     settings: &PlanSettings,
 ) -> Result<Path, Error> {
-    check(hypotheses, settings)?;
+    check(hypotheses, sensor, settings)?;
     let Some(direction) = unit(line.direction).filter(|_| line.start.is_finite()) else {
         return Err(Error::new(
             "direction",
@@ -190,13 +195,21 @@ pub fn judge(
     }
     let scene = Scene::new(hypotheses, sensor, settings);
     let line = Line { direction, ..line };
+    check_reach("start", &line.start.to_array(), scene.size)?;
     Ok(judged(&scene, &scene.everyone(), &line, length))
+}
+
+/// Made unit, whatever its length, but zero.
+#[must_use]
+pub fn normalized(direction: DVec2) -> Option<DVec2> {
+    let largest = direction.abs().max_element();
+    if largest.is_finite() { (direction / largest).try_normalize() } else { None }
 }
 
 /// The direction itself, if it is a unit vector to rounding.
 fn unit(direction: DVec2) -> Option<DVec2> {
     let is_unit = (direction.length_squared() - 1.0).abs() <= 4.0 * f64::EPSILON;
-    if is_unit { Some(direction) } else { direction.try_normalize() }
+    if is_unit { Some(direction) } else { normalized(direction) }
 }
 
 /// Plans among some of the hypotheses; the path's numbers are places in `members`. `late` says that time is up.
@@ -219,8 +232,11 @@ pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn 
     match settings.planner {
         Planner::Auto | Planner::Complete => {
             planners::sweep(&mut best, settings.stop, late);
-            let told = best.num_left() < best.members.len().pow(2);
-            if settings.planner == Planner::Complete || !told {
+            let tells = |best: &Best<'_>| best.num_left() < best.members.len().pow(2);
+            if settings.planner == Planner::Auto && !tells(&best) {
+                planners::grimson(&mut best, Planner::USUAL_GRID, settings, late);
+            }
+            if settings.planner == Planner::Complete || !tells(&best) {
                 proof = planners::complete(&mut best, settings, late);
             }
         }
@@ -242,7 +258,11 @@ pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn 
     }
 }
 
-pub(crate) fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Result<(), Error> {
+pub(crate) fn check(
+    hypotheses: &[Hypothesis],
+    sensor: &Sensor,
+    settings: &PlanSettings,
+) -> Result<(), Error> {
     if hypotheses.is_empty() {
         return Err(Error::new(
             "hypotheses",
@@ -252,6 +272,10 @@ pub(crate) fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Resul
         ));
     }
     settings.planner.check()?;
+    let size = hypotheses.iter().map(|one| one.model.size).fold(0.0, f64::max);
+    check_reach("position_error", &[sensor.position_error], size)?;
+    check_reach("path_error", &[sensor.path_error], size)?;
+    check_tip("tip_radius", sensor.tip_radius, size)?;
     if !(1e-6..=0.1).contains(&settings.margin) {
         let remedy = "give a share of the part's size from 1e-6 to 0.1, such as 1e-3";
         return Err(Error::new("margin", "is out of range", settings.margin, remedy));
@@ -267,8 +291,11 @@ pub(crate) fn check(hypotheses: &[Hypothesis], settings: &PlanSettings) -> Resul
             "give [[x0, y0], [x1, y1]]",
         ));
     }
+    if let Some([low, high]) = settings.workspace {
+        check_reach("workspace", &[low.to_array(), high.to_array()].concat(), size)?;
+    }
     if let Some((axis, half)) = settings.directions {
-        if axis.try_normalize().is_none() {
+        if normalized(axis).is_none() {
             let remedy = "give ((dx, dy), half_angle), of any length but zero";
             return Err(Error::new("directions", "must not point nowhere", axis, remedy));
         }
@@ -303,7 +330,7 @@ impl Prepared {
     /// # Errors
     /// As [`plan`].
     pub fn new(hypotheses: &[Hypothesis], sensor: &Sensor, settings: &PlanSettings) -> Result<Self, Error> {
-        check(hypotheses, settings)?;
+        check(hypotheses, sensor, settings)?;
         let scene = Scene::new(hypotheses, sensor, settings);
         let members = scene.everyone();
         Ok(Self { scene, members })

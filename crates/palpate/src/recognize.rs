@@ -180,28 +180,41 @@ fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> 
 /// Lengths of so many sizes of the largest model are no lengths of the same world.
 const FARTHEST: f64 = 1e8;
 
+/// Nor is a tip of so many.
+const LARGEST_TIP: f64 = 1e4;
+
+/// Lengths that leave no digits for models of this size.
+pub(crate) fn check_reach(argument: &str, lengths: &[f64], size: f64) -> Result<(), Error> {
+    within(argument, lengths, size, FARTHEST)
+}
+
+/// A tip against which models of this size have no shape.
+pub(crate) fn check_tip(argument: &str, radius: f64, size: f64) -> Result<(), Error> {
+    within(argument, &[radius], size, LARGEST_TIP)
+}
+
+fn within(argument: &str, lengths: &[f64], size: f64, most: f64) -> Result<(), Error> {
+    let Some(length) = lengths.iter().find(|one| one.abs() > most * size) else { return Ok(()) };
+    let problem = format!("is more than {most:e} times the size of the largest model, {size:.6}");
+    let remedy = "give lengths in the models' unit, from an origin within reach";
+    Err(Error::new(argument, problem, format!("{length:?}"), remedy))
+}
+
 /// Coordinates and radii that leave no digits for the part.
 fn check_lengths(models: &[Shared<Model>], evidence: &Evidence) -> Result<(), Error> {
     let size = models.iter().map(|model| model.size).fold(0.0, f64::max);
-    let within =
-        |argument: String, lengths: &[f64]| match lengths.iter().find(|one| one.abs() > FARTHEST * size) {
-            None => Ok(()),
-            Some(length) => {
-                let problem = format!("is more than 1e8 times the size of the largest model, {size:.6}");
-                let remedy = "give lengths in the models' unit, from an origin within reach";
-                Err(Error::new(argument, problem, format!("{length:?}"), remedy))
-            }
-        };
     for (number, contact) in evidence.contacts.iter().enumerate() {
         let start = contact.start.unwrap_or(contact.center);
         let lengths = [contact.center, start].map(|at| at.to_array()).concat();
-        let lengths = [lengths, vec![contact.tip_radius, contact.position_error]].concat();
-        within(format!("contacts[{number}]"), &lengths)?;
+        let lengths = [lengths, vec![contact.position_error]].concat();
+        check_reach(&format!("contacts[{number}]"), &lengths, size)?;
+        check_tip(&format!("contacts[{number}]"), contact.tip_radius, size)?;
     }
     for (number, miss) in evidence.misses.iter().enumerate() {
         let lengths = [miss.start, miss.end].map(|at| at.to_array()).concat();
-        let lengths = [lengths, vec![miss.tip_radius, miss.path_error]].concat();
-        within(format!("misses[{number}]"), &lengths)?;
+        let lengths = [lengths, vec![miss.path_error]].concat();
+        check_reach(&format!("misses[{number}]"), &lengths, size)?;
+        check_tip(&format!("misses[{number}]"), miss.tip_radius, size)?;
     }
     Ok(())
 }

@@ -69,7 +69,7 @@ def plan(
     no_normal: plan_options.NoNormal = False,
     max_incidence_deg: plan_options.MaxIncidenceDeg = 60.0,
     tip_radius: options.TipRadius = None,
-    path_error: options.PathError = None,
+    path_error: plan_options.PathError = None,
     prior_pose: options.PriorPose = None,
     prior_translation: options.PriorTranslation = None,
     prior_rotation_deg: options.PriorRotationDeg = None,
@@ -84,7 +84,7 @@ def plan(
     effort: plan_options.Effort = None,
     seed: plan_options.Seed = 0,
     tree: plan_options.Tree = False,
-    method: plan_options.Method = "greedy",
+    method: plan_options.Method = None,
     unit: options.Unit = "mm",
     layers: options.Layers = None,
     flattening: options.Flattening = None,
@@ -102,6 +102,8 @@ def plan(
     """
     pictures = [path for path in (plot, plot_tree, plot_projection) if path is not None]
     _check_pictures(pictures)
+    if method is not None and not tree and plot_tree is None:
+        raise ValueError(f"--method: {method!r} is of a tree; give --tree or --plot-tree, or leave it out")
     parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
     evidence = read_contacts(
         contacts,
@@ -137,7 +139,7 @@ def plan(
         "seed": seed,
         "features": kinds,
     }
-    planned = _planned(asked, search, path=not tree, tree=tree or plot_tree is not None, method=method)
+    planned = _planned(asked, search, path=not tree, tree=tree or plot_tree is not None, method=method or "greedy")
     console = results()
     if json:
         print_document(_document(asked, planned, tree=tree, planner=planner))
@@ -211,6 +213,8 @@ def _print(console: Console, asked: _Asked, planned: _Planned, *, tree: bool, st
     if not asked.hypotheses:
         return
     console.print(f"sensor: {sensor_words(asked.sensor, unit=asked.unit)}", soft_wrap=True)
+    if not asked.found.complete:
+        console.print("[bold]more hypotheses are left than are listed[/bold]: what is said of paths holds for these")
     if tree and planned.tree is not None:
         console.print(planned.tree.to_text(), markup=False, soft_wrap=True, end="")
     if planned.report is not None:
@@ -222,6 +226,7 @@ def _print(console: Console, asked: _Asked, planned: _Planned, *, tree: bool, st
             size=min(sizes),
             margin=MARGIN * max(sizes),
             unit=asked.unit,
+            complete=asked.found.complete,
         )
         if stats:
             counts = {"lines judged": planned.report.num_judged, "boxes": planned.report.num_boxes}
@@ -237,7 +242,10 @@ def _document(asked: _Asked, planned: _Planned, *, tree: bool, planner: str) -> 
         return {**tree_document(planned.tree, unit=asked.unit), **given}
     head = {"schema": "palpate-plan", "version": 1, "unit": asked.unit, **given, "planner": planner}
     if planned.report is not None:
-        return {**head, **report_entries(planned.report)}
+        # One of more than were wanted is not solved.
+        unsolved = planned.report.why == "solved" and not asked.found.complete
+        why = {"why": "incomplete", "proved": False} if unsolved else {}
+        return {**head, **report_entries(planned.report), **why}
     nothing = {"path": None, "why": "unexplained", "proved": True, "bound": 0.0}
     return {**head, **nothing, "num_judged": 0, "num_boxes": 0, "counters": None}
 

@@ -17,7 +17,7 @@ METHODS = ("greedy", "ahead", "optimal")
 LONGEST_S = 1e9
 
 incidence_deg = options.number(1e-6, 89.999999, "an angle in degrees, above 0 and below 90")
-seconds = options.number(1e-3, LONGEST_S, "a time in seconds, 0.001 or more")
+seconds = options.number(1e-3, LONGEST_S, f"a time in seconds, from 0.001 to {LONGEST_S:g}")
 
 
 def one_of(names: tuple[str, ...]) -> Any:
@@ -49,7 +49,7 @@ def stop_of(text: str) -> Any:
             return ("share", float(amount))
     except ValueError:
         pass
-    raise typer.BadParameter(f"must be perfect, unique=K or share=F with F from 0 to 1 (got {text!r})")
+    raise typer.BadParameter(f"must be perfect, unique=K or share=F with F above 0 and at most 1 (got {text!r})")
 
 
 def numbers_of(text: str, count: int, meaning: str) -> list[float]:
@@ -106,8 +106,6 @@ def sensor_of(
     path_error: float | None,
 ) -> Sensor:
     """That of the flags; what they leave open is as the contacts have it."""
-    if no_normal and normal_error_deg is not None:
-        raise ValueError("--no-normal: contradicts --normal-error-deg; give one of them")
     if position_error is None:
         position_error = max((contact.position_error for contact in contacts), default=None)
     if position_error is None:
@@ -118,11 +116,11 @@ def sensor_of(
     normal_error = None
     if normal_error_deg is not None:
         normal_error = math.radians(normal_error_deg)
-    elif known and len(known) == len(contacts) and not no_normal:
+    elif known and len(known) == len(contacts):
         normal_error = max(known)
     return Sensor(
         position_error,
-        normal_error,
+        None if no_normal else normal_error,
         math.radians(max_incidence_deg),
         tip_radius=tip_radius,
         path_error=path_error or 0.0,
@@ -144,6 +142,16 @@ NoNormal = Annotated[
         "--no-normal",
         metavar="",
         help="The next reading has no normal. Else it has if all contacts have.",
+        rich_help_panel="Sensor",
+    ),
+]
+PathError = Annotated[
+    float | None,
+    typer.Option(
+        parser=options.length,
+        metavar="LENGTH",
+        help="How far the tip may leave its line: of the next path, else 0; of misses that don't say, else their "
+        "position error.",
         rich_help_panel="Sensor",
     ),
 ]
@@ -204,11 +212,11 @@ Tree = Annotated[
     bool, typer.Option("--tree", metavar="", help="The whole ambiguity tree, not only the next path.")
 ]
 Method = Annotated[
-    str,
+    str | None,
     typer.Option(
         parser=one_of(METHODS),
         metavar="NAME",
-        help="How the tree is chosen: greedy, ahead, or optimal (up to 12 hypotheses).",
+        help="How the tree is chosen: greedy, ahead, or optimal (up to 12 hypotheses); else greedy.",
     ),
 ]
 PlotTree = Annotated[

@@ -24,7 +24,8 @@ WHY = {
     "inseparable": "Proved: no usable path of margin {m} or more is certain to tell any two apart.",
     "no_usable_path": "Proved: no path of margin {m} or more can be used.",
     "time": "--time-limit cut the search short; proved so far: no score is below {bound}.",
-    "effort": "--effort cut the search short; proved so far: no score is below {bound}.",
+    "effort": "The limit of effort cut the search short; proved so far: no score is below {bound}. --effort allows more.",
+    "incomplete": "One hypothesis is listed of more that are left: --max-hypotheses lists more.",
     "searched": "This planner looks at some lines only; --planner complete looks at all.",
 }
 
@@ -44,10 +45,18 @@ def sensor_words(sensor: Sensor, *, unit: str) -> str:
 
 
 def print_plan(
-    console: Console, report: PlanReport, labels: Sequence[str], *, size: float, margin: float, unit: str
+    console: Console,
+    report: PlanReport,
+    labels: Sequence[str],
+    *,
+    size: float,
+    margin: float,
+    unit: str,
+    complete: bool,
 ) -> None:
     """The next path; `labels` name each hypothesis's part, `size` is that of the smallest part."""
-    why = WHY[report.why].format(m=f"{margin:.3g} {unit}", bound=f"{report.bound:.4g}")
+    name = "incomplete" if report.why == "solved" and not complete else report.why
+    why = WHY[name].format(m=f"{margin:.3g} {unit}", bound=f"{report.bound:.4g}")
     if report.path is None:
         if report.why != "solved":
             console.print("[bold]no path[/bold] that can be used was found.")

@@ -92,6 +92,8 @@ def save_figure(figure: Figure, path: str | Path) -> None:
             warnings.filterwarnings("ignore", message="Glyph .* missing from")
             figure.savefig(partial, format=path.suffix.lower()[1:], **kept)
         partial.replace(path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
         partial.unlink(missing_ok=True)
 
@@ -99,9 +101,11 @@ def save_figure(figure: Figure, path: str | Path) -> None:
 def check_picture_path(path: str | Path) -> None:
     """Refuse a picture that could not be saved, before the work that leads to it."""
     path = Path(path)
+    if path.is_dir():
+        raise ValueError(f"{path}: is a folder; give the name of a file in it")
     if path.suffix.lower() not in FORMATS:
         raise ValueError(
-            f"{path.name}: pictures can't be saved as {path.suffix!r}; name it {', '.join(FORMATS)}"
+            f"{path}: pictures can't be saved as {path.suffix!r}; name it {', '.join(FORMATS)}"
         )
     if not path.parent.is_dir():
         raise ValueError(f"{path}: there is no folder {path.parent}; make it first")

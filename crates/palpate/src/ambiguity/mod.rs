@@ -189,7 +189,7 @@ pub fn plan_tree_until(
     tree_settings: &TreeSettings,
     late: &dyn Fn() -> bool,
 ) -> Result<AmbiguityTree, Error> {
-    check(hypotheses, settings)?;
+    check(hypotheses, sensor, settings)?;
     let scene = Scene::new(hypotheses, sensor, settings);
     let names = hypotheses.iter().map(|one| one.model.name.clone()).collect();
     let max_nodes = tree_settings.max_nodes;

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::hypothesis::Hypothesis;
 use crate::path::{Path, judged};
 use crate::plan::{PlanSettings, check};
-use crate::plane::{Line, Scene, directions};
+use crate::plane::{Line, Scene};
 use crate::sensor::Sensor;
 
 /// Evenly spaced directions that are tried; those straight at a face come on top.
@@ -32,7 +32,7 @@ pub fn verification_path(
 ) -> Result<Option<Path>, Error> {
     let settings = PlanSettings { avoid_assigned: true, ..settings.clone() };
     let hypotheses = std::slice::from_ref(hypothesis);
-    check(hypotheses, &settings)?;
+    check(hypotheses, sensor, &settings)?;
     let scene = Scene::new(hypotheses, sensor, &settings);
     let mut best: Option<(u32, Line)> = None;
     for line in candidates(&scene) {
@@ -76,7 +76,7 @@ fn largest(scene: &Scene, line: &Line, mut low: u32) -> u32 {
 fn candidates(scene: &Scene) -> impl Iterator<Item = Line> + '_ {
     let (model, pose) = (scene.shadows[0].model(), scene.views[0][0]);
     let straight = model.faces.iter().map(move |face| (pose.rotation.rotate(face.normal)).to_angle() + PI);
-    straight.chain(directions(NUM_DIRECTIONS)).flat_map(move |angle| {
+    straight.chain(scene.directions(NUM_DIRECTIONS).0).flat_map(move |angle| {
         let aside = DVec2::from_angle(angle).perp();
         let place = |at: DVec2| aside.dot(pose.apply(at) - scene.middle);
         let mut places: Vec<f64> = model.vertices.iter().map(|vertex| place(vertex.point)).collect();

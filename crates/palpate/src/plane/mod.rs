@@ -37,4 +37,4 @@ pub use thesis::ThesisPose;
 
 pub(crate) use case::Case;
 pub(crate) use hypotheses::{Explanations, explain};
-pub(crate) use scene::{Scene, directions};
+pub(crate) use scene::Scene;

@@ -52,11 +52,13 @@ pub(crate) struct Question<'a> {
     sensor: &'a Sensor,
     allowance: Allowance,
     rules: Rules,
+    /// How far the tip goes.
+    length: f64,
 }
 
 impl<'a> Question<'a> {
-    pub fn new(line: &'a Line, sensor: &'a Sensor, allowance: Allowance, rules: Rules) -> Self {
-        Self { line, back: (-line.direction).to_angle(), sensor, allowance, rules }
+    pub fn new(line: &'a Line, sensor: &'a Sensor, allowance: Allowance, rules: Rules, length: f64) -> Self {
+        Self { line, back: (-line.direction).to_angle(), sensor, allowance, rules, length }
     }
 
     /// Angles between the way back and normals.
@@ -94,9 +96,9 @@ impl Shadow {
             seen.clear();
             seen.extend(cell.spots.iter().map(|spot| self.seen(spot, ask.line)));
             let (blocked, possible) = self.cell_outcome(cell, &seen, ask);
-            outcome.may_miss |= blocked.is_none();
+            outcome.may_miss |= blocked.is_none_or(|depth| depth >= ask.length);
             for one in possible {
-                if one.depth.low <= blocked.unwrap_or(f64::INFINITY) {
+                if one.depth.low <= blocked.unwrap_or(f64::INFINITY).min(ask.length) {
                     let fault = one.fault.or_else(|| self.unwanted(one.feature, ask.rules));
                     if let Some(fault) = fault {
                         outcome.fault = Some(outcome.fault.map_or(fault, |known| known.min(fault)));

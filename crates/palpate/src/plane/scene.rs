@@ -119,7 +119,7 @@ impl Scene {
     /// on the border of the workspace, or clear of everything; `None` if it does not enter the workspace or comes from a
     /// direction that is not allowed.
     pub fn line(&self, angle: f64, aside: f64) -> Option<Line> {
-        if !self.allowed(angle, 0.0) {
+        if !self.allowed(angle) {
             return None;
         }
         let direction = DVec2::from_angle(angle);
@@ -158,9 +158,21 @@ impl Scene {
         })
     }
 
-    /// Whether a direction within `half` of the angle is allowed.
-    pub fn allowed(&self, angle: f64, half: f64) -> bool {
-        self.directions.is_none_or(|(axis, cone)| wrap(angle - axis.to_angle()).abs() <= cone + half)
+    fn allowed(&self, angle: f64) -> bool {
+        self.directions.is_none_or(|(axis, cone)| wrap(angle - axis.to_angle()).abs() <= cone)
+    }
+
+    /// The middles of intervals that hold all allowed directions, as many as would be `count` all around, and half their
+    /// width.
+    pub fn directions(&self, count: usize) -> (impl Iterator<Item = f64> + use<>, f64) {
+        let (axis, cone) = self.directions.map_or((0.0, PI), |(axis, cone)| (axis.to_angle(), cone));
+        let count = (count as f64 * cone / PI).ceil().max(1.0);
+        let half = cone / count;
+        let middle = move |k: f64| axis - cone + (2.0 * k + 1.0) * half;
+        (
+            std::iter::successors(Some(0.0), |k| Some(k + 1.0)).take_while(move |k| *k < count).map(middle),
+            half,
+        )
     }
 
     /// The numbers of a line: angle, and how far it passes to the left of the middle.
@@ -185,7 +197,7 @@ impl Scene {
     ) -> Result<Vec<Outcome>, Vec<Outcome>> {
         let mut outcomes = Vec::with_capacity(members.len());
         for &member in members {
-            outcomes.push(self.outcome(line, member, margin));
+            outcomes.push(self.outcome(line, member, margin, f64::INFINITY));
             if outcomes.last().is_some_and(|outcome| outcome.fault.is_some()) {
                 return Err(outcomes);
             }
@@ -193,10 +205,11 @@ impl Scene {
         Ok(outcomes)
     }
 
-    fn outcome(&self, line: &Line, member: usize, margin: f64) -> Outcome {
+    /// What a member can answer within a length of the line, everything widened by `margin`.
+    pub fn outcome(&self, line: &Line, member: usize, margin: f64, length: f64) -> Outcome {
         let shadow = &self.shadows[member];
         let allowance = Allowance::new(&self.sensor, shadow.model(), margin, margin / self.size);
-        shadow.outcome(&Question::new(line, &self.sensor, allowance, self.rules))
+        shadow.outcome(&Question::new(line, &self.sensor, allowance, self.rules, length))
     }
 
     /// Whether a line can be used and leaves fewer than so many pairs of members; `joined` says of two places in `members`
@@ -212,7 +225,7 @@ impl Scene {
         let known = (0..members.len()).map(|k| (0..k).filter(|j| joined(*j, k)).count()).sum::<usize>();
         let mut left = members.len() + 2 * known;
         for (k, &member) in members.iter().enumerate() {
-            let outcome = self.outcome(line, member, 0.0);
+            let outcome = self.outcome(line, member, 0.0, f64::INFINITY);
             if outcome.fault.is_some() {
                 return false;
             }
@@ -256,11 +269,12 @@ impl Scene {
     }
 
     /// The mean, over sampled poses of the members, of how many members their exact readings leave.
-    pub fn expected_score(&self, line: &Line, members: &[usize], outcomes: &[Outcome]) -> f64 {
+    pub fn expected_score(&self, line: &Line, members: &[usize], outcomes: &[Outcome], length: f64) -> f64 {
         let (mut left, mut count) = (0, 0);
         for &member in members {
             for pose in &self.samples[member] {
-                let reading = self.contact(member, *pose, line).map(|found| Reading {
+                let found = self.contact(member, *pose, line).filter(|found| found.depth <= length);
+                let reading = found.map(|found| Reading {
                     depth: found.depth,
                     aside: 0.0,
                     normal: Some(found.normal.to_angle()),
@@ -299,9 +313,4 @@ fn spread(first: Pose, sampled: &[Pose], shadow: &Shadow, count: usize) -> Vec<P
         }
     }
     chosen
-}
-
-/// Evenly spaced directions, half a step off the axes.
-pub(crate) fn directions(count: usize) -> impl Iterator<Item = f64> {
-    (0..count).map(move |k| -PI + 2.0 * PI * (k as f64 + 0.5) / count as f64)
 }

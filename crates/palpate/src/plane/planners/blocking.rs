@@ -96,7 +96,8 @@ fn reach(scene: &Scene) -> f64 {
 }
 
 impl Plane {
-    pub fn new(scene: &Scene, members: &[usize], cells: usize) -> Self {
+    /// `None`: time was up before it was laid out.
+    pub fn new(scene: &Scene, members: &[usize], cells: usize, late: &dyn Fn() -> bool) -> Option<Self> {
         let grid = Grid::around(scene, cells);
         let walls: Vec<Wall> = members
             .iter()
@@ -105,6 +106,9 @@ impl Plane {
             .collect();
         let mut covers: Vec<Vec<u32>> = vec![Vec::new(); cells * cells];
         for (number, wall) in walls.iter().enumerate() {
+            if late() {
+                return None;
+            }
             wall.covered(&grid, &mut |cell| covers[cell].push(number as u32));
         }
         let mut plane = Self {
@@ -117,25 +121,31 @@ impl Plane {
             walls,
         };
         for (place, member) in members.iter().enumerate() {
+            if late() {
+                return None;
+            }
             let closed = scene.shadows[*member].model().closed;
             plane.fill(place, closed, &covers);
         }
-        plane.number(scene, covers);
-        plane
+        plane.number(scene, covers, late).then_some(plane)
     }
 
-    /// Numbers the sets of walls that cover cells, and derives the blocking boundaries of each.
-    fn number(&mut self, scene: &Scene, covers: Vec<Vec<u32>>) {
+    /// Numbers the sets of walls that cover cells, and derives the blocking boundaries of each; whether time was enough.
+    fn number(&mut self, scene: &Scene, covers: Vec<Vec<u32>>, late: &dyn Fn() -> bool) -> bool {
         let mut numbers: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
         for cover in covers {
             let next = numbers.len() as u32;
             let number = *numbers.entry(cover.clone()).or_insert(next);
             if number == next {
+                if late() {
+                    return false;
+                }
                 self.blocks.push(blocks(scene, &self.walls, &cover));
                 self.sets.push(cover);
             }
             self.cover.push(number);
         }
+        true
     }
 
     /// Counts a member in the cells that it surely holds: inside its outline, outside of its extended faces.

@@ -7,7 +7,6 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use std::f64::consts::PI;
 use std::sync::Arc as Shared;
 
 use rayon::prelude::*;
@@ -18,8 +17,8 @@ use crate::plan::PlanSettings;
 use crate::plane::Line;
 use crate::plane::scene::Scene;
 
-/// Intervals of directions at the start.
-const FIRST_DIRECTIONS: u32 = 64;
+/// Intervals of directions at the start, if all are allowed.
+const FIRST_DIRECTIONS: usize = 64;
 
 /// The share of m by which lines of a smallest box may differ from its middle.
 const SMALLEST: f64 = 0.9;
@@ -30,8 +29,11 @@ const BATCH: usize = 256;
 /// A box is coarse if its lines differ by more than this share of what the poses do: few views say as much as many.
 const COARSE: f64 = 0.3;
 
+/// Poses of every member at which the tip is also looked at as far off its line as it may be.
+const SHIFTED: usize = 3;
+
 /// Views of every member that are looked at from a coarse box.
-const COARSE_VIEWS: usize = 2;
+const COARSE_VIEWS: usize = 3;
 
 /// What was proved.
 pub(crate) struct Proof {
@@ -65,8 +67,16 @@ struct Views {
 
 impl Views {
     fn new(scene: &Scene, members: &[usize]) -> Self {
+        let error = scene.sensor.path_error;
+        // The tip may be as far off its line as the path error says, on either side.
+        let shifts: &[f64] = if error > 0.0 { &[0.0, error, -error] } else { &[0.0] };
         let of_member = |member: &usize| -> Vec<View> {
-            scene.many_views(*member).iter().map(|pose| View::new(scene, *member, *pose)).collect()
+            let poses = scene.many_views(*member);
+            let of_pose = |(number, pose)| {
+                let shifts = if number < SHIFTED { shifts } else { &[0.0] };
+                shifts.iter().map(move |shift| View::new(scene, *member, pose, *shift))
+            };
+            poses.into_iter().enumerate().flat_map(of_pose).collect()
         };
         let of: Vec<Vec<View>> = members.iter().map(of_member).collect();
         let extent =
@@ -93,9 +103,9 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
     let mut open = first_boxes(scene, members.len());
     let mut next_number = open.len() as u64;
     let mut num_boxes = 0;
-    // The proof is of lines that begin outside of everything.
+    // Proof and bound are of lines that begin outside of everything.
     let outside = scene.begins_outside();
-    let score = |left: usize| left as f64 / members.len() as f64;
+    let score = |left: usize| if outside { left as f64 / members.len() as f64 } else { 1.0 };
     while let Some(first) = open.peek() {
         // The heap gives the most promising box first: if that is closed, all are.
         let least = first.left.min(best.num_left());
@@ -135,7 +145,7 @@ enum Found {
 }
 
 fn examine(scene: &Scene, members: &[usize], views: &Views, lines: &Lines, enough: usize) -> Found {
-    if lines.left >= enough || !scene.allowed(lines.angle, lines.half) {
+    if lines.left >= enough {
         return Found::Nothing;
     }
     let Some((left, shown)) = least_left(scene, views, lines, enough) else { return Found::Nothing };
@@ -150,22 +160,19 @@ fn examine(scene: &Scene, members: &[usize], views: &Views, lines: &Lines, enoug
     scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
 }
 
-/// All lines.
+/// All lines that are allowed.
 fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<Lines> {
-    let half = PI / f64::from(FIRST_DIRECTIONS);
-    let interval = |k: u32| {
-        let angle = -PI + (2.0 * f64::from(k) + 1.0) * half;
-        Lines {
-            angle,
-            half,
-            aside: 0.0,
-            reach: scene.radius,
-            left,
-            number: u64::from(k),
-            shown: Shared::default(),
-        }
+    let (angles, half) = scene.directions(FIRST_DIRECTIONS);
+    let interval = |(number, angle): (u64, f64)| Lines {
+        angle,
+        half,
+        aside: 0.0,
+        reach: scene.radius,
+        left,
+        number,
+        shown: Shared::default(),
     };
-    (0..FIRST_DIRECTIONS).map(interval).collect()
+    (0..).zip(angles).map(interval).collect()
 }
 
 impl Lines {

@@ -17,7 +17,7 @@ use crate::best::Best;
 use crate::plan::PlanSettings;
 use crate::plane::arc::wrap;
 use crate::plane::pose::Pose;
-use crate::plane::scene::{Scene, directions};
+use crate::plane::scene::Scene;
 use crate::plane::{Face, Surface, Vertex};
 use crate::tree::Range;
 
@@ -75,7 +75,7 @@ pub(crate) fn grimson(
     let scene = best.scene;
     let width = 2.0 * scene.radius / cells as f64;
     let mut proposals = Vec::new();
-    for angle in directions(num_directions).filter(|angle| scene.allowed(*angle, 0.0)) {
+    for angle in scene.directions(num_directions).0 {
         if late() {
             break;
         }

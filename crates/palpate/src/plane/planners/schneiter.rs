@@ -54,7 +54,7 @@ struct Proposal {
 /// Offers paths that pass the fewest blocking boundaries.
 pub(crate) fn schneiter(best: &mut Best<'_>, cells: usize, settings: &PlanSettings, late: &dyn Fn() -> bool) {
     let scene = best.scene;
-    let plane = Plane::new(scene, best.members, cells);
+    let Some(plane) = Plane::new(scene, best.members, cells, late) else { return };
     let deepest = plane.depth.iter().copied().max().unwrap_or(0);
     let starts = plane.boundary(|cell| plane.occupied[cell]);
     let ends = plane.boundary(|cell| plane.occupied[cell] && plane.depth[cell] == deepest);
@@ -66,7 +66,7 @@ pub(crate) fn schneiter(best: &mut Best<'_>, cells: usize, settings: &PlanSettin
         }
         proposals.extend(search.through(&channel, &starts));
     }
-    for end in thinned(&ends, NUM_JOINED) {
+    for end in thinned(&ends, NUM_JOINED).take_while(|_| !late()) {
         proposals.extend(search.to(plane.grid.center(end), &starts));
     }
     proposals.sort_by(|a, b| a.left.cmp(&b.left).then(a.rank.cmp(&b.rank)).then(b.width.total_cmp(&a.width)));

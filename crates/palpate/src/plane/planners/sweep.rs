@@ -12,7 +12,7 @@ use crate::best::Best;
 use crate::plan::Stop;
 use crate::plane::arc::wrap;
 use crate::plane::model::Surface;
-use crate::plane::scene::{Scene, directions};
+use crate::plane::scene::Scene;
 
 /// Directions of the first round, and of the second, if the first finds nothing that is good enough.
 const ROUNDS: [usize; 2] = [72, 360];
@@ -78,7 +78,7 @@ pub(crate) fn sweep(best: &mut Best<'_>, stop: Stop, late: &dyn Fn() -> bool) {
 /// One line for each interval of each direction, those that leave least at the nominal poses first.
 fn proposals(scene: &Scene, members: &[usize], count: usize) -> Vec<Proposal> {
     let mut kinds: BTreeMap<u64, Vec<Proposal>> = BTreeMap::new();
-    for angle in directions(count).filter(|angle| scene.allowed(*angle, 0.0)) {
+    for angle in scene.directions(count).0 {
         let pieces = pieces(scene, members, angle);
         in_direction(scene, members.len(), &pieces, angle, &mut kinds);
     }

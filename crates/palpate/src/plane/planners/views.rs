@@ -32,8 +32,9 @@ pub(crate) enum Relation {
     Apart,
 }
 
-/// A part at one pose, from the middle of the scene.
+/// A part at one pose, from the middle of the scene, and how far to the left of its line the tip is.
 pub(crate) struct View {
+    shift: f64,
     closed: bool,
     middle: DVec2,
     radius: f64,
@@ -125,9 +126,9 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Along the middle line, and to its left.
-    fn place(&self, at: DVec2) -> (f64, f64) {
-        (self.along.dot(at), self.left.dot(at) - self.aside)
+    /// Along the middle line, and to the left of where the tip is, if it is so far to the left of that line.
+    fn place(&self, at: DVec2, shift: f64) -> (f64, f64) {
+        (self.along.dot(at), self.left.dot(at) - self.aside - shift)
     }
 
     /// How far a point at `reach` from the middle of the scene moves, seen from the lines of the box.
@@ -160,7 +161,8 @@ impl<'a> Frame<'a> {
         if tangent * self.half > 0.5 {
             return false;
         }
-        let grown = tangent * self.reach + (self.aside.abs() + self.reach) * self.half;
+        let grown =
+            tangent * self.reach + (self.aside.abs() + self.scene.sensor.path_error + self.reach) * self.half;
         let farthest = (a.middle.abs() + grown) / (1.0 - tangent * self.half);
         let change = tangents * (self.reach + farthest * self.half) + self.alike_depth / b.cosine * self.half;
         (a.middle - b.middle).abs() + change <= self.alike_depth
@@ -243,7 +245,7 @@ impl Look {
 }
 
 impl View {
-    pub fn new(scene: &Scene, member: usize, pose: Pose) -> Self {
+    pub fn new(scene: &Scene, member: usize, pose: Pose, shift: f64) -> Self {
         let model = scene.shadows[member].model();
         let radius = scene.sensor.tip_radius;
         let face = |face: &Face| {
@@ -258,7 +260,7 @@ impl View {
         let middle = corners.iter().sum::<DVec2>() / corners.len() as f64;
         let radius = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
         let corners = corners.into_iter().map(|corner| (corner, corner.length())).collect();
-        Self { closed: model.closed, middle, radius, faces, corners }
+        Self { shift, closed: model.closed, middle, radius, faces, corners }
     }
 
     /// How far a corner is from where another view of the part has it, at most.
@@ -278,14 +280,14 @@ impl View {
             _ => {}
         }
         let radius = frame.scene.sensor.tip_radius;
-        let (_, aside) = frame.place(self.middle);
+        let (_, aside) = frame.place(self.middle, self.shift);
         let clear = self.radius + radius + frame.motion(self.middle.length() + self.radius);
         if aside.abs() > clear {
             return Glance::Missed;
         }
         let (mut num_right, mut num_left) = (0, 0);
         for &(corner, reach) in &self.corners {
-            let (_, s) = frame.place(corner);
+            let (_, s) = frame.place(corner, self.shift);
             let motion = frame.motion(reach) + radius;
             num_right += usize::from(s < -motion);
             num_left += usize::from(s > motion);
@@ -312,7 +314,7 @@ impl View {
             if speed >= frame.sine {
                 continue;
             }
-            let [(t0, s0), (t1, s1)] = face.ends.map(|end| frame.place(end));
+            let [(t0, s0), (t1, s1)] = face.ends.map(|end| frame.place(end, self.shift));
             let motion = frame.motion(face.reach);
             if s0.min(s1) > motion || s0.max(s1) < -motion {
                 continue;
@@ -324,7 +326,7 @@ impl View {
             farthest = farthest.max(depth.high);
             touchable &= face.touchable;
             let across = face.normal.dot(frame.left);
-            let middle = (face.normal.dot(face.ends[0]) - frame.aside * across) / speed;
+            let middle = (face.normal.dot(face.ends[0]) - (frame.aside + self.shift) * across) / speed;
             let cosine = -speed * frame.cosine - across.abs() * frame.sine;
             let meeting = Meeting { face: number as u16, normal: face.normal, depth, middle, cosine };
             if met.try_push(meeting).is_err() {
