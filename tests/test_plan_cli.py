@@ -148,8 +148,9 @@ def test_one_hypothesis_and_none(folder, capsys):
 
 def test_pictures(folder, capsys):
     arguments = ("--plot", "path.svg", "--plot-tree", "tree.png", "--plot-projection", "lines.png")
+    arguments += ("--plot-sheaves", "sheaves.pdf")
     out = run(capsys, "plan", *SIX, "--contacts", "hand.json", *arguments)
-    for name in ("path.svg", "tree.png", "lines.png"):
+    for name in ("path.svg", "tree.png", "lines.png", "sheaves.pdf"):
         assert f"picture: {name}" in out and Path(name).stat().st_size > 1000
     quiet = run(capsys, "plan", *SIX, "--contacts", "hand.json", "--plot", "again.svg", "--json")
     validate(json.loads(quiet), "plan-1")
@@ -175,6 +176,8 @@ BAD = [
     (["--plot", "path.gif"], "'.gif'"),
     (["--plot-tree", "missing/tree.svg"], "missing"),
     (["--plot-projection", "lines"], "lines"),
+    (["--plot-sheaves", "sheaves.gif"], "'.gif'"),
+    (["--plot-sheaves", "missing/sheaves.svg"], "missing"),
 ]
 
 
@@ -185,6 +188,21 @@ def test_bad_flags_are_one_line(folder, capsys, *, flags, named):
     assert (status, out) == (2, "")
     assert err.startswith("palpate: ") and err.count("\n") == 1
     assert (named in err and flags[0] in err) or flags[0].startswith("--plot")
+
+
+def test_sheaves_that_cannot_be_drawn_are_one_line_after_the_answer(folder, capsys):
+    # Every face that can be touched has a contact: no generator is left.
+    corner = palpate.Model.segments([[[0, 10], [0, 0]], [[0, 0], [10, 0]]], name="corner")
+    palpate.save_model(corner, "corner.json")
+    ends = (((0, 5), (-1, 0)), ((5, 0), (0, -1)))
+    write_contacts(
+        "ends.json", [palpate.Contact(p, n, position_error=0.1, normal_error=0.05) for p, n in ends]
+    )
+    assert main(["plan", "corner.json", "--contacts", "ends.json", "--plot-sheaves", "sheaves.svg"]) == 2
+    out, err = capsys.readouterr()
+    assert "One hypothesis is left" in out
+    assert err.startswith("palpate: ") and "every face that can be touched has a contact" in err
+    assert err.count("\n") == 1 and not Path("sheaves.svg").exists()
 
 
 def test_misses_alone_are_refused_as_in_recognize(folder, capsys):

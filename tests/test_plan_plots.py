@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from conftest import hypotheses_of, usual_sensor
 from matplotlib.collections import LineCollection
+from matplotlib.path import Path as Outline
 
 import palpate
-from palpate.plots import plot_ambiguity_tree, plot_lines, plot_path, save_figure
+from palpate.plots import plot_ambiguity_tree, plot_lines, plot_path, plot_projection_space, save_figure
 
 
 @pytest.fixture(scope="module")
@@ -73,10 +74,59 @@ def test_the_plane_of_lines_has_the_scores(hands, path):
     assert lines.judge(math.radians(angle), offset).score == path.score
 
 
+def line_of(axes, **look):
+    """The points of the one line that looks so."""
+    (found,) = [one for one in axes.lines if all(getattr(one, f"get_{k}")() == v for k, v in look.items())]
+    return np.asarray(found.get_xydata())
+
+
+def test_projection_space_has_the_sheaves_the_critical_points_and_the_path(hands):
+    space = palpate.projection_space(hands, usual_sensor())
+    figure = plot_projection_space(hands, space, unit="cm", part_names=list("abcdef"))
+    plane, lines = figure.axes
+    assert figure.get_suptitle().startswith("projection space of face 1 of 1 b: path at α = 0.402 (21.9°)")
+    assert plane.get_xlabel() == "x (cm)" and lines.get_xlabel() == "position on the generator's axis (cm)"
+    assert np.array_equal(line_of(lines, marker="o"), space.critical_points)
+    assert np.array_equal(line_of(lines, marker="+"), [[space.path_position, space.path_slope]])
+    (marks,) = [one for one in lines.collections if isinstance(one, LineCollection)]
+    assert [ends[0][1] for ends in marks.get_segments()] == space.critical_slopes.tolist()
+    overlap = next(o for o in space.overlaps(space.path_slope) if np.mean(o.positions) == space.path_position)
+    assert np.array_equal(line_of(lines, linewidth=2.2)[:, 0], overlap.positions)
+    # What is shared holds the path, and is where the inner projections of all that are pierced overlap.
+    shared = line_of(lines, linewidth=1.3)
+    assert Outline(shared).contains_point((space.path_position, space.path_slope))
+    for number in overlap.sheaves:
+        inner = space.sheaves[number].inner(shared[:, 1])
+        assert (shared[:, 0] >= inner[:, 0] - 1e-9).all() and (shared[:, 0] <= inner[:, 1] + 1e-9).all()
+    named = [f"{space.sheaves[k].hypothesis + 1}: face {space.sheaves[k].face}" for k in overlap.sheaves]
+    assert sorted(texts(lines)) == sorted(named)
+    assert sum(line.get_linewidth() == 0.5 for line in lines.lines) == len(space.sheaves) - len(named)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    parts = [f"{number} {'abcdef'[hand.model_number]}" for number, hand in enumerate(hands, start=1)]
+    assert labels[:4] == parts and labels[-1] == "overlap, and the path"
+
+
+def test_projection_space_without_a_path_and_of_other_hypotheses(hands):
+    lone = palpate.projection_space(hands[:1], usual_sensor())
+    figure = plot_projection_space(hands[:1], lone)
+    assert figure.get_suptitle() == "projection space of face 1 of 1 human-hand: no path"
+    assert "overlap, and the path" not in [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts(figure.axes[1]) == ["1: face 1"]
+    space = palpate.projection_space(hands, usual_sensor())
+    with pytest.raises(ValueError, match=r"^hypotheses: must be those of the projection space.*\(got 2\)"):
+        plot_projection_space(hands[:2], space)
+
+
 @pytest.mark.parametrize("suffix", ["svg", "png"])
 def test_files_are_whole_and_the_same_every_time(hands, path, *, tmp_path, suffix):
     tree = palpate.plan_tree(hands, usual_sensor())
-    for make in (lambda: plot_path(hands, path), lambda: plot_ambiguity_tree(tree)):
+    space = palpate.projection_space(hands, usual_sensor())
+    makers = (
+        lambda: plot_path(hands, path),
+        lambda: plot_ambiguity_tree(tree),
+        lambda: plot_projection_space(hands, space),
+    )
+    for make in makers:
         for name in ("one", "two"):
             save_figure(make(), tmp_path / f"{name}.{suffix}")
         assert (tmp_path / f"one.{suffix}").read_bytes() == (tmp_path / f"two.{suffix}").read_bytes()

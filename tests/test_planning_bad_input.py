@@ -10,6 +10,7 @@ import palpate
 NAN = math.nan
 HANDS = hypotheses_of("human-hand")
 SENSOR = usual_sensor()
+SENSED = (0, HANDS[0].interpretations[0].assignment[0][1])
 
 
 def sensor(position_error=0.5, normal_error=0.1, max_incidence=1.0, **rest):
@@ -38,6 +39,18 @@ def line(angle=0, offset=0):
 
 def verify(hypothesis=HANDS[0], **rest):
     return palpate.verification_path(hypothesis, SENSOR, **rest)
+
+
+def space(generator=None, **rest):
+    return palpate.projection_space(HANDS, SENSOR, generator, **rest)
+
+
+def overlaps(slope):
+    return space((0, 1)).overlaps(slope)
+
+
+def projected(slopes, of="inner"):
+    return getattr(space((0, 1)).sheaves[0], of)(slopes)
 
 
 def outcome_of(contact):
@@ -131,6 +144,20 @@ CASES = [
     (line, {"offset": math.inf}, "offset: must be finite (got inf); give a finite number"),
     (verify, {"hypothesis": HANDS}, 'hypothesis: must be a Hypothesis (got [<Hypothesis: "human-hand" at (24.699502, 2.420022), turned 1.330460 rad>, <Hypo…); give one of found.hypotheses'),
     (verify, {"margin": 1}, "margin: is out of range (got 1); give a share of the part's size from 1e-6 to 0.1, such as 1e-3"),
+    (space, {"generator": (9, 0)}, "generator: there is no such hypothesis (got (9, 0)); give (hypothesis, face), the hypothesis below 4"),
+    (space, {"generator": (0, 99)}, "generator: its part has no such face (got (0, 99)); give a face below 18"),
+    (space, {"generator": SENSED}, f"generator: a contact is assigned to the face (got {SENSED}); give one that was not sensed"),
+    (space, {"generator": 3}, "generator: must be a sequence of a hypothesis' and a face's number (got 3); give (hypothesis, face)"),
+    (space, {"generator": "0,0"}, "generator: must be a sequence of a hypothesis' and a face's number (got '0,0'); give (hypothesis, face)"),
+    (space, {"generator": (0,)}, "generator: must be a hypothesis' and a face's number (got (0,)); give (hypothesis, face)"),
+    (space, {"generator": (-1, 0)}, "generator[0]: must be a whole number, 0 or more (got -1); give an int in range"),
+    (space, {"generator": (0, 1.5)}, "generator[1]: must be a whole number, 0 or more (got 1.5); give an int in range"),
+    (space, {"margin": 1}, "margin: is out of range (got 1); give a share of the part's size from 1e-6 to 0.1, such as 1e-3"),
+    (overlaps, {"slope": NAN}, "slope: must be finite (got NaN); give a finite number"),
+    (overlaps, {"slope": "steep"}, "slope: must be a number (got 'steep'); give a single int or float"),
+    (projected, {"slopes": 0.5}, "slopes: must have shape (n,), has () (got 0.5); give an array of shape (n,)"),
+    (projected, {"slopes": [math.inf], "of": "outer"}, "slopes: must be finite (got [inf]); give finite numbers"),
+    (projected, {"slopes": [[1.0]], "of": "skids"}, "slopes: must have shape (n,), has (1, 1) (got [[1.0]]); give an array of shape (n,)"),
     (outcome_of, {"contact": (1, 2)}, "contact: must be a Contact (got (1, 2)); give palpate.Contact, or None for a miss"),
     (outcome_of, {"contact": palpate.Contact.from_tip((1, 2), 1.0, position_error=0.5)}, "contact: must have the sensor's tip radius 0.0 (got Contact.from_tip((1.0, 2.0), 1.0, position_error=0.5)); make it with Contact.from_tip and that radius"),
     (to_json, {"unit": "parsec"}, "unit: unknown unit 'parsec'; give one of um, mm, cm, m, in, ft"),
@@ -164,6 +191,7 @@ def test_the_grid_is_named_where_directions_are_given_too():
         (lambda: palpate.plan_report(HANDS, SENSOR, method="greedy"), "plan_report.*'method'"),
         (lambda: palpate.Lines(HANDS, SENSOR, effort=3), "Lines.*'effort'"),
         (lambda: verify(avoid_assigned=True), "verification_path.*'avoid_assigned'"),
+        (lambda: space(planner="ellis"), "projection_space.*'planner'"),
         (lambda: palpate.Sensor(0.5), "normal_error"),
         (lambda: palpate.plan(HANDS), "sensor"),
     ],
@@ -171,3 +199,20 @@ def test_the_grid_is_named_where_directions_are_given_too():
 def test_missing_and_unknown_arguments_are_named(call, name):
     with pytest.raises(TypeError, match=name):
         call()
+
+
+def test_a_face_that_cannot_be_touched_is_no_generator():
+    outline = [[0, 0], [60, 0], [60, 25], [0, 40]]
+    touches = [
+        palpate.Contact(point, normal, position_error=0.5, normal_error=0.07)
+        for point, normal in (((30, 0), (0, -1)), ((60, 12), (1, 0)))
+    ]
+
+    def found(untouchable):
+        model = palpate.Model.polygon(outline, untouchable=untouchable)
+        return palpate.recognize([model], touches).hypotheses
+
+    with pytest.raises(ValueError, match=r"^generator: the face can't be touched \(got \(0, 2\)\); give"):
+        palpate.projection_space(found([2]), SENSOR, (0, 2))
+    with pytest.raises(ValueError, match=r"^hypotheses: every face that can be touched has a contact"):
+        palpate.projection_space(found([2, 3]), SENSOR)

@@ -21,12 +21,15 @@ from ._core import Lines as Lines
 from ._core import Miss as Miss
 from ._core import Model as Model
 from ._core import Outcome as Outcome
+from ._core import Overlap as Overlap
 from ._core import Path as Path
 from ._core import PlanReport as PlanReport
 from ._core import PoseSet as PoseSet
 from ._core import Prior as Prior
+from ._core import ProjectionSpace as ProjectionSpace
 from ._core import Recognition as Recognition
 from ._core import Sensor as Sensor
+from ._core import Sheaf as Sheaf
 from ._core import ThesisPose as ThesisPose
 from ._core import Touch as Touch
 from ._core import __version__ as __version__
@@ -34,6 +37,7 @@ from ._core import judge as judge
 from ._core import plan as plan
 from ._core import plan_report as plan_report
 from ._core import plan_tree as plan_tree
+from ._core import projection_space as projection_space
 from ._core import recognize as recognize
 from ._core import verification_path as verification_path
 from .contacts import Evidence as Evidence

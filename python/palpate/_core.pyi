@@ -26,12 +26,15 @@ __all__ = [
     "Miss",
     "Model",
     "Outcome",
+    "Overlap",
     "Path",
     "PlanReport",
     "PoseSet",
     "Prior",
+    "ProjectionSpace",
     "Recognition",
     "Sensor",
+    "Sheaf",
     "ThesisPose",
     "Touch",
     "__version__",
@@ -39,6 +42,7 @@ __all__ = [
     "plan",
     "plan_report",
     "plan_tree",
+    "projection_space",
     "recognize",
     "verification_path",
 ]
@@ -1043,6 +1047,177 @@ class Lines:
         Raises:
             ValueError: A number that is not finite.
         """
+
+def projection_space(
+    hypotheses: Sequence[Hypothesis],
+    sensor: Sensor,
+    generator: tuple[int, int] | None = None,
+    *,
+    stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
+    workspace: ArrayLike | None = None,
+    directions: tuple[ArrayLike, float] | None = None,
+    time_limit: float | None = None,
+    effort: int | None = None,
+    seed: int = 0,
+    features: Sequence[str] | None = None,
+    avoid_assigned: bool = False,
+    margin: float = 1e-3,
+) -> ProjectionSpace:
+    """The projection space of a face, with the best path that the planner `"ellis"` finds through it (3.1 to 3.3).
+
+    Args:
+        hypotheses: As for `plan`.
+        sensor: As for `plan`.
+        generator: Numbers of a hypothesis and of a face of its model that no contact is assigned to. None: the one through
+            which the best path goes that `"ellis"` finds at all; the one it searches first, if it finds none.
+        stop: As for `plan`.
+        workspace: As for `plan`.
+        directions: As for `plan`.
+        time_limit: As for `plan`.
+        effort: As for `plan`.
+        seed: As for `plan`.
+        features: As for `plan`.
+        avoid_assigned: As for `plan`.
+        margin: As for `plan`.
+
+    Raises:
+        ValueError: As for `plan`; a generator that does not exist, can't be touched or has a contact; no generator at all.
+    """
+
+@final
+class ProjectionSpace:
+    """The lines that pierce a face, the generator, and others with it (3.1 to 3.3, figures 3.5 to 3.7).
+
+    In the generator's frame the generator lies on the X axis and its outward normal is +Y. A point of projection space is a
+    line of that frame, `x = position + slope * y`, traveled downward. Faces are where the thesis places them: at a nominal
+    pose, and at two extreme ones for what is uncertain. That is no guarantee; the judge of `path` gives it.
+    """
+
+    @property
+    def generator(self) -> tuple[int, int]:
+        """The number of its hypothesis, and that of the face."""
+    @property
+    def world_from_generator(self) -> NDArray[float64]:
+        """`p_world = world_from_generator @ p_generator`, shape `(3, 3)`: the face from its end on the left to its start at 0."""
+    @property
+    def max_slope(self) -> float:
+        """The bound on slopes, to either side: the tangent of the largest incidence less half the range of rotations."""
+    @property
+    def sheaves(self) -> list[Sheaf]:
+        """The generator's sheaf, then those of its candidate set: faces that one line may pierce with it (3.1)."""
+    @property
+    def critical_points(self) -> NDArray[float64]:
+        """Where the end of a candidate projects on an end of the generator, shape `(k, 2)`: position and slope (3.2).
+
+        Of the nominal pose, and of slopes within the bounds.
+        """
+    @property
+    def critical_slopes(self) -> NDArray[float64]:
+        """The slopes that are examined, shape `(k,)`: zero, those of the critical points, the bounds; from zero outward (4.1).
+
+        Of those that are closer to each other than `margin`, the one nearer to zero.
+        """
+    def overlaps(self, slope: float) -> list[Overlap]:
+        """What the generator shares with all that overlap its left end at a slope, and the same for its right end (4.1).
+
+        By inner projections. Empty, if a path of this slope does not fit through the generator.
+
+        Args:
+            slope: Of the lines, in the generator's frame: right for each upward.
+
+        Raises:
+            ValueError: A number that is not finite.
+        """
+
+    @property
+    def path(self) -> Path | None:
+        """The best path found through the generator. None: none that can be used, or there is nothing to tell apart."""
+    @property
+    def path_position(self) -> float | None:
+        """Where the line of `path` crosses the X axis of the generator's frame."""
+    @property
+    def path_slope(self) -> float | None:
+        """The slope of `path` in that frame."""
+
+@final
+class Sheaf:
+    """The lines that meet a face, as a region of projection space (3.2, 3.3.1).
+
+    Immutable; equal if all numbers are equal.
+    """
+
+    @property
+    def hypothesis(self) -> int:
+        """The number of the face's hypothesis."""
+    @property
+    def face(self) -> int:
+        """The number of the face in its model."""
+    @property
+    def sensed(self) -> bool:
+        """Whether a contact is assigned to it."""
+    @property
+    def ends(self) -> NDArray[float64]:
+        """Start and end of the face at the nominal pose, shape `(2, 2)`, generator's frame; moved out by the tip's radius."""
+    @property
+    def extreme_ends(self) -> NDArray[float64]:
+        """The same at the least and the largest rotation, shape `(2, 2, 2)` (3.3.1)."""
+    def inner(self, slopes: ArrayLike) -> NDArray[float64]:
+        """The inner projection: positions whose lines meet the face at both extreme poses (figure 3.8).
+
+        Args:
+            slopes: Of the lines, shape `(n,)`.
+
+        Returns:
+            Least and largest position for each slope, shape `(n, 2)`; NaN where there is none.
+
+        Raises:
+            ValueError: Another shape, or a number that is not finite.
+        """
+
+    def outer(self, slopes: ArrayLike) -> NDArray[float64]:
+        """The outer projection: from the first to the last position whose line meets the face at an extreme pose (figure 3.8).
+
+        Args:
+            slopes: Of the lines, shape `(n,)`.
+
+        Returns:
+            Least and largest position for each slope, shape `(n, 2)`.
+
+        Raises:
+            ValueError: Another shape, or a number that is not finite.
+        """
+
+    def skids(self, slopes: ArrayLike) -> NDArray[bool_]:
+        """Whether lines meet the face at more than the largest reliable incidence, or from behind, at an extreme pose.
+
+        Args:
+            slopes: Of the lines, shape `(n,)`.
+
+        Returns:
+            One for each slope, shape `(n,)`.
+
+        Raises:
+            ValueError: Another shape, or a number that is not finite.
+        """
+
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
+
+@final
+class Overlap:
+    """Lines of one slope that pierce several faces (3.2, 4.1).
+
+    Immutable; equal if all numbers are equal.
+    """
+
+    @property
+    def positions(self) -> tuple[float, float] | None:
+        """From the least to the largest position that all share; None if they share none."""
+    @property
+    def sheaves(self) -> list[int]:
+        """Places in `ProjectionSpace.sheaves`: the generator's, 0, and those that overlap its end."""
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: ClassVar[None]  # type: ignore[assignment]
 
 def plan_tree(
     hypotheses: Sequence[Hypothesis],

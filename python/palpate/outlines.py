@@ -1,7 +1,7 @@
 """Drawn pieces joined to outlines, and outlines sorted into parts.
 
-The pieces are edges of a graph whose nodes are their ends. What lies on no closed run (a bridge of the graph)
-can't be outline beside closed ones. What is left must be plain loops: else it is not clear which are meant.
+What lies on no closed run (a bridge of the graph of ends) can't be outline beside closed ones. What is left
+must be plain loops: else it is not clear which are meant.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from palpate.curves import Array, Chords, Piece, Tolerance, thinned
+from palpate.end_graph import Ends, bridges, connected, near_pairs
 
 # An open run that misses closing by less than this share of its length was meant to be closed.
 _NEARLY_CLOSED = 0.02
@@ -168,8 +169,8 @@ def _runs(pieces: list[Piece], tolerance: Tolerance, remedy: str) -> tuple[list[
     loops = [_Run(Chords.of(piece), Counter({piece.layer: 1})) for piece in closed]
     if not others:
         return loops, []
-    ends = _Ends(others, same=_same_distance(join), join=join)
-    cut = _bridges(ends.of_piece)
+    ends = Ends(others, same=_same_distance(join), join=join)
+    cut = bridges(ends.of_piece)
     at_node = ends.at_node(k for k in range(len(others)) if not cut[k])
     for node, meeting in at_node.items():
         if len(meeting) > 2:
@@ -198,7 +199,7 @@ def _refuse_branch(point: Array, meeting: Sequence[Piece], remedy: str) -> None:
 
 
 def _followed(  # noqa: PLR0917
-    first: int, ends: _Ends, at_node: dict[int, list[int]], used: list[bool]
+    first: int, ends: Ends, at_node: dict[int, list[int]], used: list[bool]
 ) -> list[tuple[int, bool]]:
     """Pieces from one to the next, each with whether it runs along; they are now used."""
     used[first] = True
@@ -226,7 +227,7 @@ def _followed(  # noqa: PLR0917
 
 
 def _joined(  # noqa: PLR0917
-    members: list[tuple[int, bool]], pieces: list[Piece], ends: _Ends, tolerance: Tolerance
+    members: list[tuple[int, bool]], pieces: list[Piece], ends: Ends, tolerance: Tolerance
 ) -> _Run:
     """One run through the pieces, their ends moved to the nodes or joined to them by a short chord."""
     runs: list[Chords] = []
@@ -280,7 +281,7 @@ def _openings(open_: list[_Run]) -> list[tuple[float, Array, Array]]:
     ends = np.concatenate([run.points[[0, -1]] for run in open_])
     reach = _NEARLY_CLOSED * float(np.max(np.ptp(np.concatenate([run.points for run in open_]), axis=0)))
     long = [float(np.sum(run.chords.lengths)) * _NEARLY_CLOSED for run in open_]
-    pairs = _near_pairs(ends, reach)
+    pairs = near_pairs(ends, reach)
     return [(d, ends[a], ends[b]) for d, a, b in pairs if d > 0.0 and (a // 2 != b // 2 or d <= long[a // 2])]
 
 
@@ -294,7 +295,7 @@ def _refuse_open_outlines(loops: list[_Run], open_: list[_Run], remedy: str) -> 
         return
     joints = [np.array([a, b]) for _, a, b in openings]
     outer = [k for k, around in enumerate(_inside_of([loop.points for loop in loops])) if not around]
-    for group in _connected([*(run.points[[0, -1]] for run in open_), *joints]):
+    for group in connected([*(run.points[[0, -1]] for run in open_), *joints]):
         runs = [open_[k] for k in group if k < len(open_)]
         gaps = [openings[k - len(open_)] for k in group if k >= len(open_)]
         points = np.concatenate([run.points for run in runs])
@@ -446,174 +447,3 @@ def _farthest_from(points: Array, outline: Array) -> float:
         nearest = starts + share[:, None] * along
         farthest = max(farthest, float(np.min(np.hypot(*(nearest - point).T))))
     return farthest
-
-
-# --- the graph of ends ----------------------------------------------------------------------------
-
-
-class _Ends:
-    """Ends of open pieces; those that are one are a node."""
-
-    def __init__(self, pieces: list[Piece], *, same: float, join: float) -> None:
-        self._points = np.array([piece.points[k] for piece in pieces for k in (0, -1)])
-        self._parent = list(range(len(self._points)))
-        self._lengths = [piece.length for piece in pieces]
-        # Ends of fine chords are nearer to each other than what is drawn as one point elsewhere.
-        reach = np.repeat([min(same, 0.25 * piece.extent) for piece in pieces], 2).tolist()
-        for distance, a, b in _near_pairs(self._points, same):
-            first, second = sorted((self._root(a), self._root(b)))
-            if distance <= min(reach[first], reach[second]):
-                self._parent[second] = first
-                reach[first] = min(reach[first], reach[second])
-        self._close_gaps(join)
-        self.of_piece = [(self._root(2 * k), self._root(2 * k + 1)) for k in range(len(pieces))]
-
-    def point(self, node: int) -> Array:
-        """Where a node is: at the end that was drawn first."""
-        return np.asarray(self._points[node])
-
-    def at_node(self, pieces: Iterable[int]) -> dict[int, list[int]]:
-        """The pieces that end at each node; twice, if both ends are there."""
-        found: dict[int, list[int]] = {}
-        for k in pieces:
-            for node in self.of_piece[k]:
-                found.setdefault(node, []).append(k)
-        return found
-
-    def _root(self, end: int) -> int:
-        while self._parent[end] != end:
-            self._parent[end] = self._parent[self._parent[end]]
-            end = self._parent[end]
-        return end
-
-    def _close_gaps(self, join: float) -> None:
-        """Unites ends that nothing meets: with each other, the nearest first, then with what is nearest."""
-        meeting: dict[int, list[int]] = {}
-        for end in range(len(self._points)):
-            meeting.setdefault(self._root(end), []).append(end)
-        nodes = sorted(meeting)
-        if all(len(meeting[node]) > 1 for node in nodes):
-            return
-        pairs = [(nodes[i], nodes[j]) for _, i, j in _near_pairs(self._points[nodes], join)]
-        behind = self._loose(meeting, pairs, join)
-        loose = set(behind)
-        for a, b in pairs:
-            if a in loose and b in loose and a not in behind[b] and b not in behind[a]:
-                self._parent[b] = a
-                loose -= {a, b}
-        for a, b in pairs:
-            for end, other in ((a, b), (b, a)):
-                if end in loose and other not in behind[end]:
-                    self._parent[end] = self._root(other)
-                    loose.discard(end)
-
-    def _loose(
-        self, meeting: dict[int, list[int]], pairs: list[tuple[int, int]], join: float
-    ) -> dict[int, set[int]]:
-        """The nodes that wait for another one near them, with those that they must not be united with.
-
-        Those are nodes back along their own run, whose chords may be as fine as the gap. A line that ends in
-        the open, with nothing near, does not count where it touches an outline.
-        """
-        near: dict[int, set[int]] = {}
-        for a, b in pairs:
-            near.setdefault(a, set()).add(b)
-            near.setdefault(b, set()).add(a)
-        meeting = {node: list(ends) for node, ends in meeting.items()}
-        found: dict[int, set[int]] = {}
-        pending = [node for node, ends in sorted(meeting.items()) if len(ends) == 1]
-        while pending:
-            node = pending.pop()
-            if not meeting[node]:
-                continue
-            behind = self._behind(node, meeting, 4.0 * join)
-            if near.get(node, set()) - behind:
-                found[node] = behind
-                continue
-            end = meeting[node][0]
-            other = self._root(end ^ 1)
-            meeting[other].remove(end ^ 1)
-            if len(meeting[other]) == 1 and self._lengths[end // 2] > join:
-                pending.append(other)
-        return found
-
-    def _behind(self, node: int, meeting: dict[int, list[int]], reach: float) -> set[int]:
-        """The nodes along the run that ends at `node`, as far as `reach`."""
-        found: set[int] = set()
-        end = meeting[node][0]
-        walked = self._lengths[end // 2]
-        while walked <= reach:
-            node = self._root(end ^ 1)
-            if node in found:
-                break
-            found.add(node)
-            going_on = [other for other in meeting[node] if other != end ^ 1]
-            if len(going_on) != 1:
-                break
-            end = going_on[0]
-            walked += self._lengths[end // 2]
-        return found
-
-
-def _near_pairs(points: Array, reach: float) -> list[tuple[float, int, int]]:
-    """Pairs of points no farther apart than `reach`, with their distance, the nearest first."""
-    cells: dict[tuple[int, int], list[int]] = {}
-    places = points.tolist()
-    pairs: list[tuple[float, int, int]] = []
-    for b, key in enumerate(np.floor(points / reach).astype(int).tolist()):
-        x, y = key
-        for i, j in [(x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1)]:
-            for a in cells.get((i, j), ()):
-                distance = math.dist(places[a], places[b])
-                if distance <= reach:
-                    pairs.append((distance, a, b))
-        cells.setdefault((x, y), []).append(b)
-    return sorted(pairs)
-
-
-def _bridges(edges: list[tuple[int, int]]) -> list[bool]:
-    """Which edges lie on no closed run (Tarjan 1974, without recursion)."""
-    at_node: dict[int, list[int]] = {}
-    for k, nodes in enumerate(edges):
-        for node in nodes:
-            at_node.setdefault(node, []).append(k)
-    order: dict[int, int] = {}
-    lowest: dict[int, int] = {}
-    cut = [False] * len(edges)
-    for root in at_node:
-        if root in order:
-            continue
-        order[root] = lowest[root] = len(order)
-        stack = [(root, -2, iter(at_node[root]))]
-        while stack:
-            node, came_by, going_on = stack[-1]
-            k = next(going_on, -1)
-            if k < 0:
-                stack.pop()
-                if stack:
-                    parent = stack[-1][0]
-                    lowest[parent] = min(lowest[parent], lowest[node])
-                    cut[came_by] = lowest[node] > order[parent]
-            elif k != came_by:
-                other = edges[k][1] if edges[k][0] == node else edges[k][0]
-                if other in order:
-                    lowest[node] = min(lowest[node], order[other])
-                else:
-                    order[other] = lowest[other] = len(order)
-                    stack.append((other, k, iter(at_node[other])))
-    return cut
-
-
-def _connected(runs: list[Array]) -> list[list[int]]:
-    """Groups of runs whose end points, exactly the same, hold together."""
-    group_at: dict[tuple[float, ...], set[int]] = {}
-    groups: dict[int, set[int]] = {}
-    for k, ends in enumerate(runs):
-        group = {k}
-        for end in ends:
-            group |= group_at.get(tuple(end.tolist()), set())
-        for j in group:
-            groups[j] = group
-            for end in runs[j]:
-                group_at[tuple(end.tolist())] = group
-    return [sorted(group) for group in {id(group): group for group in groups.values()}.values()]

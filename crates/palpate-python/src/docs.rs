@@ -754,6 +754,143 @@ Args:
 Raises:
     ValueError: A number that is not finite."
     };
+    ("projection_space") => {
+        r#"The projection space of a face, with the best path that the planner `"ellis"` finds through it (3.1 to 3.3).
+
+Args:
+    hypotheses: As for `plan`.
+    sensor: As for `plan`.
+    generator: Numbers of a hypothesis and of a face of its model that no contact is assigned to. None: the one through
+        which the best path goes that `"ellis"` finds at all; the one it searches first, if it finds none.
+    stop: As for `plan`.
+    workspace: As for `plan`.
+    directions: As for `plan`.
+    time_limit: As for `plan`.
+    effort: As for `plan`.
+    seed: As for `plan`.
+    features: As for `plan`.
+    avoid_assigned: As for `plan`.
+    margin: As for `plan`.
+
+Raises:
+    ValueError: As for `plan`; a generator that does not exist, can't be touched or has a contact; no generator at all."#
+    };
+    ("ProjectionSpace") => {
+        r"The lines that pierce a face, the generator, and others with it (3.1 to 3.3, figures 3.5 to 3.7).
+
+In the generator's frame the generator lies on the X axis and its outward normal is +Y. A point of projection space is a
+line of that frame, `x = position + slope * y`, traveled downward. Faces are where the thesis places them: at a nominal
+pose, and at two extreme ones for what is uncertain. That is no guarantee; the judge of `path` gives it."
+    };
+    ("ProjectionSpace.generator") => {
+        r"The number of its hypothesis, and that of the face."
+    };
+    ("ProjectionSpace.world_from_generator") => {
+        r"`p_world = world_from_generator @ p_generator`, shape `(3, 3)`: the face from its end on the left to its start at 0."
+    };
+    ("ProjectionSpace.max_slope") => {
+        r"The bound on slopes, to either side: the tangent of the largest incidence less half the range of rotations."
+    };
+    ("ProjectionSpace.sheaves") => {
+        r"The generator's sheaf, then those of its candidate set: faces that one line may pierce with it (3.1)."
+    };
+    ("ProjectionSpace.critical_points") => {
+        r"Where the end of a candidate projects on an end of the generator, shape `(k, 2)`: position and slope (3.2).
+
+Of the nominal pose, and of slopes within the bounds."
+    };
+    ("ProjectionSpace.critical_slopes") => {
+        r"The slopes that are examined, shape `(k,)`: zero, those of the critical points, the bounds; from zero outward (4.1).
+
+Of those that are closer to each other than `margin`, the one nearer to zero."
+    };
+    ("ProjectionSpace.overlaps") => {
+        r"What the generator shares with all that overlap its left end at a slope, and the same for its right end (4.1).
+
+By inner projections. Empty, if a path of this slope does not fit through the generator.
+
+Args:
+    slope: Of the lines, in the generator's frame: right for each upward.
+
+Raises:
+    ValueError: A number that is not finite."
+    };
+    ("ProjectionSpace.path") => {
+        r"The best path found through the generator. None: none that can be used, or there is nothing to tell apart."
+    };
+    ("ProjectionSpace.path_position") => {
+        r"Where the line of `path` crosses the X axis of the generator's frame."
+    };
+    ("ProjectionSpace.path_slope") => {
+        r"The slope of `path` in that frame."
+    };
+    ("Sheaf") => {
+        r"The lines that meet a face, as a region of projection space (3.2, 3.3.1).
+
+Immutable; equal if all numbers are equal."
+    };
+    ("Sheaf.hypothesis") => {
+        r"The number of the face's hypothesis."
+    };
+    ("Sheaf.face") => {
+        r"The number of the face in its model."
+    };
+    ("Sheaf.sensed") => {
+        r"Whether a contact is assigned to it."
+    };
+    ("Sheaf.ends") => {
+        r"Start and end of the face at the nominal pose, shape `(2, 2)`, generator's frame; moved out by the tip's radius."
+    };
+    ("Sheaf.extreme_ends") => {
+        r"The same at the least and the largest rotation, shape `(2, 2, 2)` (3.3.1)."
+    };
+    ("Sheaf.inner") => {
+        r"The inner projection: positions whose lines meet the face at both extreme poses (figure 3.8).
+
+Args:
+    slopes: Of the lines, shape `(n,)`.
+
+Returns:
+    Least and largest position for each slope, shape `(n, 2)`; NaN where there is none.
+
+Raises:
+    ValueError: Another shape, or a number that is not finite."
+    };
+    ("Sheaf.outer") => {
+        r"The outer projection: from the first to the last position whose line meets the face at an extreme pose (figure 3.8).
+
+Args:
+    slopes: Of the lines, shape `(n,)`.
+
+Returns:
+    Least and largest position for each slope, shape `(n, 2)`.
+
+Raises:
+    ValueError: Another shape, or a number that is not finite."
+    };
+    ("Sheaf.skids") => {
+        r"Whether lines meet the face at more than the largest reliable incidence, or from behind, at an extreme pose.
+
+Args:
+    slopes: Of the lines, shape `(n,)`.
+
+Returns:
+    One for each slope, shape `(n,)`.
+
+Raises:
+    ValueError: Another shape, or a number that is not finite."
+    };
+    ("Overlap") => {
+        r"Lines of one slope that pierce several faces (3.2, 4.1).
+
+Immutable; equal if all numbers are equal."
+    };
+    ("Overlap.positions") => {
+        r"From the least to the largest position that all share; None if they share none."
+    };
+    ("Overlap.sheaves") => {
+        r"Places in `ProjectionSpace.sheaves`: the generator's, 0, and those that overlap its end."
+    };
     ("plan_tree") => {
         r#"The ambiguity tree: the next path, whatever the last one met (3.4, 4.1).
 

@@ -17,6 +17,7 @@ mod model;
 mod options;
 mod path;
 mod plan;
+mod projection;
 mod recognize;
 mod sensor;
 mod thesis;
@@ -45,6 +46,8 @@ mod _core {
     use crate::path::{PyOutcome, PyPath, PyTouch};
     #[pymodule_export]
     use crate::plan::{PyPlanReport, judge, plan, plan_report, verification_path};
+    #[pymodule_export]
+    use crate::projection::{PyOverlap, PyProjectionSpace, PySheaf, projection_space};
     #[pymodule_export]
     use crate::recognize::{PyRecognition, recognize};
     #[pymodule_export]

@@ -57,30 +57,32 @@ impl<'a> Best<'a> {
         !self.thorough && left > self.num_left()
     }
 
-    /// Judges a line; it becomes the best if it is better.
-    pub fn offer(&mut self, line: &Line) {
+    /// Judges a line; it becomes the best if it is better. Whether it is.
+    pub fn offer(&mut self, line: &Line) -> bool {
         self.num_judged += 1;
         if let Some(listener) = &mut self.listener {
             listener(line);
         }
-        let Some(verdict) = self.scene.verdict(line, self.members, 0.0) else { return };
+        let Some(verdict) = self.scene.verdict(line, self.members, 0.0) else { return false };
         let left = match self.aim {
             Aim::Score => verdict.num_left(),
             Aim::Branches => verdict.classes().iter().map(|class| class.len().pow(2)).sum(),
         };
         let certain = verdict.num_left() < self.members.len().pow(2);
         if left > self.num_left() || (!certain && self.scene.was_tried(line)) {
-            return;
+            return false;
         }
         let path = judged(self.scene, self.members, line, None);
         if path.fault.is_some() {
-            return;
+            return false;
         }
         let order = |known: &Path| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));
-        if self.path.as_ref().is_none_or(|known| order(known) == Ordering::Less) {
+        let better = self.path.as_ref().is_none_or(|known| order(known) == Ordering::Less);
+        if better {
             self.path = Some(path);
             self.left = left;
         }
+        better
     }
 
     pub fn enough(&self, stop: Stop) -> bool {

@@ -15,6 +15,7 @@ pub mod judge;
 pub mod path;
 pub mod plan;
 pub mod plane;
+pub mod projection;
 pub mod recognize;
 pub mod sensor;
 pub mod tree;
@@ -31,6 +32,9 @@ pub use hypothesis::{Count, Hypothesis, Interpretation};
 pub use judge::{Fault, Outcome, Reading, Touch, Verdict};
 pub use path::Path;
 pub use plan::{EllisCounters, Plan, PlanSettings, Planner, Prepared, Stop, judge, plan, plan_until};
+pub use projection::{
+    FaceOf, Overlap, Projection, ProjectionSpace, Sheaf, projection_space, projection_space_until,
+};
 pub use recognize::{ModelReport, Recognition, Settings, recognize, recognize_until};
 pub use sensor::Sensor;
 pub use why::Why;

@@ -17,6 +17,7 @@ from palpate import (
     Sensor,
     plan_report,
     plan_tree,
+    projection_space,
 )
 from palpate import recognize as recognize_parts
 from palpate.cli import options, plan_options
@@ -60,6 +61,20 @@ class _Planned:
     tree: AmbiguityTree | None = None
 
 
+@dataclass(frozen=True)
+class _Pictures:
+    """The files to draw into."""
+
+    path: Path | None
+    tree: Path | None
+    lines: Path | None
+    sheaves: Path | None
+
+    @property
+    def files(self) -> list[Path]:
+        return [path for path in (self.path, self.tree, self.lines, self.sheaves) if path is not None]
+
+
 def plan(
     models: options.Models,
     *,
@@ -91,6 +106,7 @@ def plan(
     plot: options.Plot = None,
     plot_tree: plan_options.PlotTree = None,
     plot_projection: plan_options.PlotProjection = None,
+    plot_sheaves: plan_options.PlotSheaves = None,
     stats: options.Stats = False,
     json: options.Json = False,
 ) -> None:
@@ -100,8 +116,8 @@ def plan(
 
     Exit code 0: there is an answer, also where it is that no path tells or none is needed; 2: bad input.
     """
-    pictures = [path for path in (plot, plot_tree, plot_projection) if path is not None]
-    _check_pictures(pictures)
+    pictures = _Pictures(plot, plot_tree, plot_projection, plot_sheaves)
+    _check_pictures(pictures.files)
     if method is not None and not tree and plot_tree is None:
         raise ValueError(f"--method: {method!r} is of a tree; give --tree or --plot-tree, or leave it out")
     parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
@@ -146,8 +162,8 @@ def plan(
     else:
         _print(console, asked, planned, tree=tree, stats=stats)
     console.file.flush()
-    _draw(asked, planned, search, plot=plot, plot_tree=plot_tree, plot_projection=plot_projection)
-    for path in pictures if found.hypotheses and not json else []:
+    _draw(asked, planned, search, pictures=pictures)
+    for path in pictures.files if found.hypotheses and not json else []:
         console.print(f"picture: {path}", markup=False)
 
 
@@ -250,31 +266,27 @@ def _document(asked: _Asked, planned: _Planned, *, tree: bool, planner: str) -> 
     return {**head, **nothing, "num_judged": 0, "num_boxes": 0, "counters": None}
 
 
-def _draw(
-    asked: _Asked,
-    planned: _Planned,
-    search: dict[str, Any],
-    *,
-    plot: Path | None,
-    plot_tree: Path | None,
-    plot_projection: Path | None,
-) -> None:
+def _draw(asked: _Asked, planned: _Planned, search: dict[str, Any], *, pictures: _Pictures) -> None:
     # Loading matplotlib takes longer than most plans: only when a picture is wanted.
-    if not asked.hypotheses or (plot or plot_tree or plot_projection) is None:
+    if not asked.hypotheses or not pictures.files:
         return
     from palpate import plots
 
     tree = planned.tree
     path = planned.report.path if planned.report is not None else tree.root.path if tree else None
-    evidence, unit = asked.evidence, asked.unit
-    if plot is not None:
-        shown: dict[str, Any] = {"misses": evidence.misses, "unit": unit, "part_names": asked.parts.labels}
-        shown["tip_radius"] = asked.sensor.tip_radius
-        figure = plots.plot_path(asked.hypotheses, path, evidence.contacts, **shown)
-        plots.save_figure(figure, plot)
-    if plot_tree is not None and tree is not None:
-        plots.save_figure(plots.plot_ambiguity_tree(tree, unit=unit), plot_tree)
-    if plot_projection is not None:
+    hypotheses, sensor, unit = asked.hypotheses, asked.sensor, asked.unit
+    named: dict[str, Any] = {"unit": unit, "part_names": asked.parts.labels}
+    if pictures.path is not None:
+        shown = {"misses": asked.evidence.misses, "tip_radius": sensor.tip_radius, **named}
+        plots.save_figure(plots.plot_path(hypotheses, path, asked.evidence.contacts, **shown), pictures.path)
+    if pictures.tree is not None and tree is not None:
+        plots.save_figure(plots.plot_ambiguity_tree(tree, unit=unit), pictures.tree)
+    if pictures.lines is not None:
         kept = {name: search[name] for name in ("workspace", "directions", "features", "avoid_assigned")}
-        work = lambda: plots.plot_lines(asked.hypotheses, asked.sensor, path, unit=unit, **kept)  # noqa: E731
-        plots.save_figure(patiently(work, saying="judging lines"), plot_projection)
+        work = lambda: plots.plot_lines(hypotheses, sensor, path, unit=unit, **kept)  # noqa: E731
+        plots.save_figure(patiently(work, saying="judging lines"), pictures.lines)
+    if pictures.sheaves is not None:
+        own = {name: value for name, value in search.items() if name != "planner"}
+        search_work = lambda: projection_space(hypotheses, sensor, **own)  # noqa: E731
+        space = patiently(search_work, saying="searching generators")
+        plots.save_figure(plots.plot_projection_space(hypotheses, space, **named), pictures.sheaves)

@@ -226,3 +226,10 @@ PlotProjection = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Draw what every line would tell, by its direction and its place."),
 ]
+PlotSheaves = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Draw the projection space in which ellis, the thesis's own search, finds its path.",
+    ),
+]

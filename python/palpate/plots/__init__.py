@@ -9,6 +9,7 @@ from palpate.plots.lines import plot_lines
 from palpate.plots.paths import plot_path
 from palpate.plots.pictures import plot_models, plot_pose_range, plot_recognition
 from palpate.plots.runs import plot_run
+from palpate.plots.sheaves import plot_projection_space
 from palpate.plots.style import save_figure
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "plot_models",
     "plot_path",
     "plot_pose_range",
+    "plot_projection_space",
     "plot_recognition",
     "plot_run",
     "save_figure",

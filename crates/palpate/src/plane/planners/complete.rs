@@ -121,7 +121,9 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
         for (lines, found) in batch.into_iter().zip(found) {
             match found {
                 Found::Nothing => {}
-                Found::Line(line) => best.offer(&line),
+                Found::Line(line) => {
+                    best.offer(&line);
+                }
                 Found::AtLeast(left, shown) => {
                     for part in lines.halves(scene) {
                         let shown = Shared::clone(&shown);

@@ -5,13 +5,15 @@ mod complete;
 mod ellis;
 mod grimson;
 mod schneiter;
+mod sheaves;
 mod sweep;
 mod views;
 
 pub use ellis::EllisCounters;
+pub use sheaves::{CriticalPoint, Overlap, ProjectionSpace, Sheaf};
 
 pub(crate) use complete::{Proof, complete};
-pub(crate) use ellis::ellis;
+pub(crate) use ellis::{Search, ellis};
 pub(crate) use grimson::grimson;
 pub(crate) use schneiter::schneiter;
 pub(crate) use sweep::sweep;
