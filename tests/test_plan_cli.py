@@ -171,7 +171,6 @@ BAD = [
     (["--time-limit", "0"], "0"),
     (["--effort", "0"], "0"),
     (["--seed", "-1"], "-1"),
-    (["--no-normal", "--normal-error-deg", "3"], "--no-normal"),
     (["--position-error", "-1"], "-1"),
     (["--plot", "path.gif"], "'.gif'"),
     (["--plot-tree", "missing/tree.svg"], "missing"),

@@ -302,9 +302,11 @@ impl Shadow {
         let normals = if parts.len() == 1 { *first } else { hit };
         let incidence = ask.incidence(normals);
         let depth = Range {
-            low: along.low - radius * incidence.low.cos() - ask.allowance.depth,
-            high: along.high - radius * incidence.high.min(FRAC_PI_2).cos() + ask.allowance.depth,
+            low: along.low - radius * incidence.low.cos(),
+            high: along.high - radius * incidence.high.min(FRAC_PI_2).cos(),
         };
+        let rounding = 1e-9 * (self.radius + depth.low.abs());
+        let depth = widened(depth, ask.allowance.depth + rounding);
         let touchable = self.model.vertices[number].normals.is_some();
         let fault = if touchable {
             (incidence.high > ask.sensor.max_incidence).then_some(Fault::Skid)
