@@ -1,0 +1,48 @@
+"""Closed loops in which the promise's conditions do not hold: is a model ever said to explain what contradicts it?
+
+    python -m palpate.experiments.strangers --kind part --problems 1000
+
+`"part"`: the part that lies there is not among the models: by turns a bundled part that is left out of them, and
+a random star. `"readings"`: the part is among them, but every error is up to two to five times as large as its
+stated bound. The truth may be lost then; but whatever is left must explain every contact and every miss.
+"""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Any, Literal
+
+import numpy as np
+
+from palpate.experiments.closed_loop import Row, library, problem_of, row_of
+from palpate.experiments.random_parts import random_part
+
+Kind = Literal["part", "readings"]
+
+FACTORS = (2.0, 5.0)  # by how much errors exceed their bounds, from and to
+STAR_SIZES = (100.0, 200.0)  # as the bundled parts
+
+
+def task(number: int, *, kind: Kind, position_error: float, normal_error_deg: float) -> Row:
+    """One loop that is not told the truth."""
+    bounds = {"position_error": position_error, "normal_error_deg": normal_error_deg}
+    models = list(library())
+    truth = models[number % len(models)]
+    said: dict[str, Any] = {}
+    if kind == "readings":
+        factor = float(np.random.default_rng([number, 3]).uniform(*FACTORS))
+        problem = problem_of(number, models, truth, **bounds, factor=factor)
+        said["factor"] = factor
+    elif (number // len(models)) % 2:
+        problem = problem_of(number, models, _star(number), **bounds)
+    else:
+        problem = problem_of(number, [one for one in models if one is not truth], truth, **bounds)
+    return {**row_of(problem, number), **said}
+
+
+def _star(number: int) -> Any:
+    random = Random(number)
+    while True:
+        part = random_part(random, "star")
+        if STAR_SIZES[0] <= part.size <= STAR_SIZES[1] and set(part.face_surfaces) == {"touchable"}:
+            return part
