@@ -2,9 +2,9 @@
 
     python -m palpate.experiments.closed_loop --problems 10000 --cluster local
 
-Problem `k` of seed `s` has the number `s · 10⁹ + k`. Each bundled part in turn lies at a random pose in a square
-workspace, two sizes of the largest part across, and may be any of the bundled parts. In one of three problems
-every error is as large as its bound, in the others it is uniform within.
+Problem `k` of seed `s` has the number `s · 10⁹ + k`. Each bundled part in turn lies at a random pose in a
+square workspace, two sizes of the largest part across, and may be any of the bundled parts. In one of three
+problems every error is as large as its bound, in the others it is uniform within.
 """
 
 from __future__ import annotations
@@ -60,7 +60,9 @@ class Problem:
 
     def kept(self, hypotheses: Sequence[Hypothesis]) -> bool:
         """Whether the true part and pose are among them."""
-        return any(one.model == self.truth and one.poses.contains(self.world_from_truth) for one in hypotheses)
+        return any(
+            one.model == self.truth and one.poses.contains(self.world_from_truth) for one in hypotheses
+        )
 
 
 @cache
@@ -104,8 +106,8 @@ def task(
 ) -> Row:
     """One loop, and the `rivals` named by `beside` on the same problem.
 
-    `start` says where the first contacts come from: scans of the workspace (4.1), or two places drawn from the
-    part itself (4.2).
+    `start` says where the first contacts come from: scans of the workspace (4.1), or two places drawn from
+    the part itself (4.2).
     """
     models = library()
     problem = problem_of(
@@ -160,10 +162,10 @@ def _drawn(problem: Problem, number: int) -> list[Contact]:
 
 
 def contradicted(result: Result) -> Row:
-    """How many of the hypotheses left have a pose that plain geometry finds to contradict a contact or a miss.
+    """How many of the hypotheses left have a pose that contradicts a contact or a miss, by plain geometry.
 
-    Asked of `experiments.oracle`, which shares nothing with the core. Undecided ones, of a search that met its limit
-    and says so, have no such pose to check.
+    Asked of `experiments.oracle`, which shares nothing with the core. Undecided ones, of a search that met
+    its limit and says so, have no such pose to check.
     """
     false = undecided = 0
     for one in result.hypotheses:

@@ -1,4 +1,4 @@
-"""Other ways to choose the next touch, on the problems of the closed loop: by chance, and by information gain.
+"""Other ways to choose the next touch, on the problems of the closed loop: chance, and information gain.
 
 Both begin with the evidence with which the loop planned its first path, touch with the same probe, and
 recognize anew after each touch as the loop does. Only the choice of the line is theirs.
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from palpate import Contact, Hit, Hypothesis, Lines, Miss, Path, Recognition, Result, Skid, recognize
+from palpate import Contact, Hit, Hypothesis, Lines, Miss, Path, Result, Skid, recognize
 from palpate.experiments.shapes import Array
 
 if TYPE_CHECKING:

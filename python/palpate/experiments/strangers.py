@@ -1,10 +1,10 @@
-"""Closed loops in which the promise's conditions do not hold: is a model ever said to explain what contradicts it?
+"""Closed loops where the promise's conditions do not hold: is what contradicts a model ever said to fit it?
 
     python -m palpate.experiments.strangers --kind part --problems 1000
 
-`"part"`: the part that lies there is not among the models: by turns a bundled part that is left out of them, and
-a random star. `"readings"`: the part is among them, but every error is up to two to five times as large as its
-stated bound. The truth may be lost then; but whatever is left must explain every contact and every miss.
+`"part"`: the part that lies there is not among the models: by turns a bundled part that is left out of
+them, and a random star. `"readings"`: the part is among them, but errors are up to two to five times as large
+as their stated bounds. The truth may be lost then; but whatever is left must explain every contact and miss.
 """
 
 from __future__ import annotations
