@@ -1,7 +1,5 @@
 """Closed loops over all bundled parts, thousands of them: how do they end, and is the truth ever lost?
 
-    python -m palpate.experiments.closed_loop --problems 10000 --cluster local
-
 Problem `k` of seed `s` has the number `s · 10⁹ + k`. Each bundled part in turn lies at a random pose in a
 square workspace, two sizes of the largest part across, and may be any of the bundled parts. In one of three
 problems every error is as large as its bound, in the others it is uniform within.
@@ -120,13 +118,22 @@ def task(
     return row_of(problem, number, start=start, beside=beside)
 
 
-def row_of(problem: Problem, number: int, *, start: Start = "scan", beside: Sequence[str] = ()) -> Row:
+def row_of(
+    problem: Problem,
+    number: int,
+    *,
+    start: Start = "scan",
+    beside: Sequence[str] = (),
+    until: tuple[float, float] | None = None,
+) -> Row:
     """The loop on a problem, and what is to say of it."""
-    contacts = _drawn(problem, number) if start == "drawn" else []
+    asked: dict[str, Any] = {
+        "contacts": _drawn(problem, number) if start == "drawn" else [],
+        "until": until,
+        "seed": number,
+    }
     began = time.perf_counter()
-    result = identify(
-        problem.models, problem.probe, problem.sensor, problem.workspace, contacts=contacts, seed=number
-    )
+    result = identify(problem.models, problem.probe, problem.sensor, problem.workspace, **asked)
     seconds = {"loop": time.perf_counter() - began, "planning": result.planning_time}
     scans = sum(step.purpose == "scan" for step in result.steps)
     row: Row = {

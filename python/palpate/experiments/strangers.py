@@ -1,7 +1,5 @@
 """Closed loops where the promise's conditions do not hold: is what contradicts a model ever said to fit it?
 
-    python -m palpate.experiments.strangers --kind part --problems 1000
-
 `"part"`: the part that lies there is not among the models: by turns a bundled part that is left out of
 them, and a random star. `"readings"`: the part is among them, but errors are up to two to five times as large
 as their stated bounds. The truth may be lost then; but whatever is left must explain every contact and miss.
@@ -9,6 +7,7 @@ as their stated bounds. The truth may be lost then; but whatever is left must ex
 
 from __future__ import annotations
 
+import math
 from random import Random
 from typing import Any, Literal
 
@@ -23,8 +22,15 @@ FACTORS = (2.0, 5.0)  # by how much errors exceed their bounds, from and to
 STAR_SIZES = (100.0, 200.0)  # as the bundled parts
 
 
-def task(number: int, *, kind: Kind, position_error: float, normal_error_deg: float) -> Row:
-    """One loop that is not told the truth."""
+def task(
+    number: int,
+    *,
+    kind: Kind,
+    position_error: float,
+    normal_error_deg: float,
+    until: tuple[float, float] | None = None,
+) -> Row:
+    """One loop whose conditions don't hold; `until` is that of `identify`, a length and degrees."""
     bounds = {"position_error": position_error, "normal_error_deg": normal_error_deg}
     models = list(library())
     truth = models[number % len(models)]
@@ -37,7 +43,8 @@ def task(number: int, *, kind: Kind, position_error: float, normal_error_deg: fl
         problem = problem_of(number, models, _star(number), **bounds)
     else:
         problem = problem_of(number, [one for one in models if one is not truth], truth, **bounds)
-    return {**row_of(problem, number), **said}
+    tight = None if until is None else (until[0], math.radians(until[1]))
+    return {**row_of(problem, number, until=tight), **said}
 
 
 def _star(number: int) -> Any:
