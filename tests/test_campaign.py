@@ -9,6 +9,7 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import campaigning
+import jsonschema
 import pytest
 
 from palpate.experiments import campaign, closed_loop
@@ -22,7 +23,7 @@ ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
 
 @contextmanager
 def started(*arguments):
-    """A process of Python's that finds the campaign of these tests; killed in the end, if it is still there."""
+    """A process of Python's that finds the campaign of these tests; killed in the end."""
     command = [sys.executable, *map(str, arguments)]
     with subprocess.Popen(
         command, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
@@ -91,6 +92,13 @@ def test_a_file_of_another_campaign_is_refused(tmp_path, change, words):
     assert words in str(refused.value)
 
 
+def test_lines_are_as_the_schema_says(tmp_path):
+    campaign.run("thirds", SETTINGS | {"folder": str(tmp_path)}, [0, 1], campaigning.task, tmp_path / "rows")
+    schema = json.loads((Path(campaign.__file__).parents[1] / "schemas" / "rows-1.json").read_text())
+    for line in (tmp_path / "rows").read_text().splitlines():
+        jsonschema.validate(json.loads(line), schema)
+
+
 def test_what_is_no_file_of_rows_is_refused(tmp_path):
     (tmp_path / "rows").write_text("a diary\n")
     with pytest.raises(ValueError, match="is not a file of rows"):
@@ -139,9 +147,7 @@ def test_a_killed_worker_costs_its_task_not_the_run(tmp_path, nanny):
     """A worker is killed in the middle of task 11; the nanny starts another one, or there is one less."""
     file, victim = tmp_path / "rows", tmp_path / "victim"
     victim.write_text("11")
-    with (
-        cluster_without_nannies(tmp_path) if not nanny else contextmanager(lambda: (yield "local:2"))() as at
-    ):
+    with nullcontext("local:2") if nanny else cluster_without_nannies(tmp_path) as at:
         with started(campaigning.__file__, file, COUNT, 0.02, tmp_path, at) as process:
             _, said = process.communicate(timeout=2 * PATIENCE)
     assert process.returncode == 0, said

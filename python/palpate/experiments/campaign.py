@@ -70,7 +70,7 @@ def run(  # noqa: PLR0917 - what is computed, by what, and where it goes
         raise ValueError(f"file: {str(file)!r} holds rows of other numbers; name another one, or remove it")
     if missing:
         computed = _computed(task, settings, numbers=missing, cluster=cluster)
-        with _bar(progress, name, total=len(wanted), done=len(wanted) - len(missing)) as advance:
+        with Bar(progress, name, total=len(wanted), done=len(wanted) - len(missing)) as advance:
             for number, row in _written(file, computed):
                 known[number] = row
                 advance()
@@ -156,7 +156,7 @@ def _line(row: Row) -> bytes:
     return json.dumps(row, separators=(",", ":"), allow_nan=False).encode() + b"\n"
 
 
-class _bar:
+class Bar:
     """A bar of a campaign, on `progress` or one of its own; without a terminal, a line for every tenth."""
 
     def __init__(self, progress: Progress | None, name: str, *, total: int, done: int) -> None:

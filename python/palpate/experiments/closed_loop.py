@@ -69,29 +69,38 @@ def library() -> tuple[Model, ...]:
     return tuple(bundled_parts())
 
 
+def sensor_of(position_error: float, normal_error_deg: float) -> Sensor:
+    """A point for a tip, reliable up to 60°."""
+    return Sensor(position_error, math.radians(normal_error_deg), MAX_INCIDENCE)
+
+
+def scaled(sensor: Sensor, factor: float) -> Sensor:
+    """The same with errors so many times as large; normals within a right angle."""
+    normal = sensor.normal_error
+    return Sensor(
+        factor * sensor.position_error,
+        None if normal is None else min(factor * normal, math.pi / 2),
+        sensor.max_incidence,
+        sensor.tip_radius,
+        factor * sensor.path_error,
+    )
+
+
 def problem_of(
-    number: int,
-    models: Sequence[Model],
-    truth: Model,
-    *,
-    position_error: float,
-    normal_error_deg: float,
-    factor: float = 1.0,
+    number: int, models: Sequence[Model], truth: Model, *, sensor: Sensor, factor: float = 1.0
 ) -> Problem:
     """The truth at a random pose; errors are `factor` times as large as the bounds that are claimed."""
     random = np.random.default_rng([number, 1])
     half, room = ACROSS / 2.0 * max(model.size for model in [*models, truth]), ROOM * truth.size
+    room += 2.0 * sensor.tip_radius + factor * sensor.path_error
     pose = matrix(random.uniform(-math.pi, math.pi), 0.0, 0.0)
     turned = truth.vertices @ pose[:2, :2].T
     pose[:2, 2] = random.uniform(room - half - turned.min(axis=0), half - room - turned.max(axis=0))
     noise: Noise = "bounds" if random.uniform() < AT_BOUNDS else "uniform"
-    believed, made = (
-        Sensor(times * position_error, math.radians(times * normal_error_deg), MAX_INCIDENCE)
-        for times in (1.0, factor)
-    )
-    probe = SimulatedProbe(truth, pose, made, seed=number, noise=noise, believed=believed)
+    made = scaled(sensor, factor)
+    probe = SimulatedProbe(truth, pose, made, seed=number, noise=noise, believed=sensor)
     workspace = np.array([[-half, -half], [half, half]])
-    return Problem(list(models), truth, pose, workspace, believed, probe, noise)
+    return Problem(list(models), truth, pose, workspace, sensor, probe, noise)
 
 
 def task(
@@ -108,32 +117,26 @@ def task(
     the part itself (4.2).
     """
     models = library()
-    problem = problem_of(
-        number,
-        models,
-        models[number % len(models)],
-        position_error=position_error,
-        normal_error_deg=normal_error_deg,
-    )
+    sensor = sensor_of(position_error, normal_error_deg)
+    problem = problem_of(number, models, models[number % len(models)], sensor=sensor)
     return row_of(problem, number, start=start, beside=beside)
 
 
 def row_of(
-    problem: Problem,
-    number: int,
-    *,
-    start: Start = "scan",
-    beside: Sequence[str] = (),
-    until: tuple[float, float] | None = None,
+    problem: Problem, number: int, *, start: Start = "scan", beside: Sequence[str] = (), **how: Any
 ) -> Row:
-    """The loop on a problem, and what is to say of it."""
-    asked: dict[str, Any] = {
-        "contacts": _drawn(problem, number) if start == "drawn" else [],
-        "until": until,
-        "seed": number,
-    }
+    """The loop on a problem, and what is to say of it; `how` goes on to `identify`."""
+    contacts = _drawn(problem, number) if start == "drawn" else []
     began = time.perf_counter()
-    result = identify(problem.models, problem.probe, problem.sensor, problem.workspace, **asked)
+    result = identify(
+        problem.models,
+        problem.probe,
+        problem.sensor,
+        problem.workspace,
+        contacts=contacts,
+        seed=number,
+        **how,
+    )
     seconds = {"loop": time.perf_counter() - began, "planning": result.planning_time}
     scans = sum(step.purpose == "scan" for step in result.steps)
     row: Row = {

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from palpate.experiments.closed_loop import Row, library, problem_of, row_of
+from palpate.experiments.closed_loop import Row, library, problem_of, row_of, sensor_of
 from palpate.experiments.random_parts import random_part
 
 Kind = Literal["part", "readings"]
@@ -31,18 +31,18 @@ def task(
     until: tuple[float, float] | None = None,
 ) -> Row:
     """One loop whose conditions don't hold; `until` is that of `identify`, a length and degrees."""
-    bounds = {"position_error": position_error, "normal_error_deg": normal_error_deg}
+    sensor = sensor_of(position_error, normal_error_deg)
     models = list(library())
     truth = models[number % len(models)]
     said: dict[str, Any] = {}
     if kind == "readings":
         factor = float(np.random.default_rng([number, 3]).uniform(*FACTORS))
-        problem = problem_of(number, models, truth, **bounds, factor=factor)
+        problem = problem_of(number, models, truth, sensor=sensor, factor=factor)
         said["factor"] = factor
     elif (number // len(models)) % 2:
-        problem = problem_of(number, models, _star(number), **bounds)
+        problem = problem_of(number, models, _star(number), sensor=sensor)
     else:
-        problem = problem_of(number, [one for one in models if one is not truth], truth, **bounds)
+        problem = problem_of(number, [one for one in models if one is not truth], truth, sensor=sensor)
     tight = None if until is None else (until[0], math.radians(until[1]))
     return {**row_of(problem, number, until=tight), **said}
 
