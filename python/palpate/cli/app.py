@@ -14,6 +14,7 @@ from palpate.cli.identify import identify, replay
 from palpate.cli.models import models
 from palpate.cli.plan import plan
 from palpate.cli.recognize import recognize
+from palpate.cli.tune import tune
 
 
 class _HelpIsAFlag:
@@ -58,6 +59,7 @@ app.command(
 )(identify)
 app.command(cls=_Command, epilog="Example: palpate replay run.jsonl --plot pictures")(replay)
 app.command(cls=_Command, epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
+app.command(cls=_Command, epilog="Example: palpate tune boot camera telephone --problems 100")(tune)
 
 
 def _print_version(wanted: bool) -> None:
