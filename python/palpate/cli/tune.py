@@ -72,7 +72,7 @@ def tune(
     normal_error = None if no_normal else math.radians(normal_error_deg)
     sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
     costs = tuning.Costs(speed, touch_time)
-    with campaign.Bar(None, "tune", total=tuning.num_loops(problems), done=0) as advance:
+    with campaign.Bar(None, "tune", total=tuning.num_loops(problems), quiet=True) as advance:
         advice = tuning.tune(parts.models, sensor, costs, problems=problems, seed=seed, advance=advance)
     made = tuning.document(advice, parts.models, sensor, unit=unit, seed=seed)
     if json:

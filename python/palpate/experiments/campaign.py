@@ -157,9 +157,12 @@ def _line(row: Row) -> bytes:
 
 
 class Bar:
-    """A bar of a campaign, on `progress` or one of its own; without a terminal, a line for every tenth."""
+    """A bar, on `progress` or one of its own; without a terminal, a line for every tenth, unless `quiet`."""
 
-    def __init__(self, progress: Progress | None, name: str, *, total: int, done: int) -> None:
+    def __init__(
+        self, progress: Progress | None, name: str, *, total: int, done: int = 0, quiet: bool = False
+    ) -> None:
+        self._quiet = quiet
         self._own = progress is None
         self._progress = progress or _own_progress()
         self._name, self._total, self._done = name, total, done
@@ -177,7 +180,9 @@ class Bar:
     def _advance(self) -> None:
         self._progress.advance(self._task)
         self._done += 1
-        if self._progress.disable and self._done * 10 // self._total != (self._done - 1) * 10 // self._total:
+        if self._quiet or not self._progress.disable:
+            return
+        if self._done * 10 // self._total != (self._done - 1) * 10 // self._total:
             line = f"{self._name}: {self._done} of {self._total}"
             Console(stderr=True, width=110).print(line, highlight=False)
 

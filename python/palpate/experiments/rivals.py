@@ -53,7 +53,8 @@ def _before_planning(result: Result) -> tuple[list[Contact], list[Miss], int]:
     moves = planned[0] if planned else result.touches
     later = [step.reply for step in result.steps[moves:]]
     hits = sum(isinstance(reply, Hit) for reply in later)
-    free = sum(isinstance(reply, Miss | Skid) for reply in later)
+    # A contact that says nothing of its way brings it as a miss.
+    free = sum(not isinstance(reply, Hit) or reply.contact.start is None for reply in later)
     return (
         result.contacts[: len(result.contacts) - hits],
         result.misses[: len(result.misses) - free],

@@ -157,7 +157,7 @@ def _tried(setting: Setting, rows: Sequence[Row], costs: Costs) -> Tried:
 
 
 def _best(tried: Sequence[Tried]) -> Tried:
-    """The cheapest of those that solve nearly as many as any; of those that cost nearly the same, the first."""
+    """The cheapest of those that solve nearly as many as any; of nearly equal ones the first."""
     most = max(one.solved for one in tried)
     good = [one for one in tried if one.solved >= most - HARDLY]
     least = min(one.seconds for one in good)

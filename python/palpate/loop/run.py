@@ -192,7 +192,14 @@ class Run:
             raise _Ended(
                 "inseparable", "no path is certain or expected to tell those left apart", proved=proved
             )
-        self._touch(path.start, path.end, purpose="path", path=path)
+        reply = self._touch(path.start, path.end, purpose="path", path=path)
+        if isinstance(reply, Skid):
+            # Unexpected data (3.4): on a path that can be used, none of them can be touched first beyond the
+            # largest reliable incidence. The free part of the way alone may leave them.
+            self._recognize()
+            raise _Ended(
+                "unexplained", "the tip skidded where no hypothesis left can be touched so obliquely"
+            )
 
     def _plan(self, hypotheses: list[Hypothesis]) -> tuple[Path | None, str, bool]:
         """The path, why it is that one, and whether it is proved best; that of the log, if it has one."""
