@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures loop-figures campaign-loop table-no-normals wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures loop-figures campaign-loop tune-figures table-no-normals wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -87,6 +87,9 @@ loop-figures: .venv/.built ## 200 closed loops over all bundled parts: statuses,
 
 campaign-loop: .venv/.built .venv/.cluster ## 10,000 closed loops: is a truth lost? writes docs/closed-loop.md; ARGS="--cluster local:2"; resumes
 	$(BIN)/python -m palpate.experiments.campaign_loop --page docs/closed-loop.md $(ARGS)
+
+tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs/closed-loop.md (some minutes)
+	$(BIN)/python -m palpate.experiments.tune_page docs/closed-loop.md $(ARGS)
 
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)

@@ -39,6 +39,19 @@ TouchTime = Annotated[
     ),
 ]
 
+HEADINGS = [
+    "stop",
+    "contacts",
+    "bounds",
+    "solved",
+    "others",
+    "touches",
+    "95 %",
+    "travel",
+    "computed",
+    "a part",
+]
+
 
 def tune(
     models: options.Models,
@@ -84,17 +97,17 @@ def tune(
 def _print(console: Console, made: dict[str, Any], *, unit: str) -> None:
     loops = made["loops"]
     shown = Table(title=f"{loops} loops for each setting, seed {made['seed']}")
-    headings = ["stop", "contacts", "bounds", "solved", "others", "touches", "95 %", "travel", "computed"]
-    for heading in [*headings, "a part"]:
+    for heading in HEADINGS:
         shown.add_column(heading, justify="right")
     for one in made["tried"]:
-        shown.add_row(*_cells(one, loops))
+        shown.add_row(*cells(one, loops))
     console.print(shown)
     for line in advice_lines(made, unit=unit):
         console.print(line, soft_wrap=True)
 
 
-def _cells(one: dict[str, Any], loops: int) -> list[str]:
+def cells(one: dict[str, Any], loops: int) -> list[str]:
+    """A row of the table, as `HEADINGS`."""
     status = dict(one["status"])
     solved = status.pop("solved", 0)
     return [
