@@ -15,19 +15,17 @@ from palpate._core import (
     Path,
     Recognition,
     judge,
-    plan_report,
     recognize,
     verification_path,
 )
 from palpate.loop.acquire import FINER, Scans, enough, smallest_width
 from palpate.loop.entries import planned_event, recognized_event
 from palpate.loop.journal import Interrupted, Journal
+from palpate.loop.planning import is_promising, next_path
 from palpate.loop.result import Array, Purpose, Result, Status, Step
 from palpate.loop.settings import Settings
 from palpate.loop.tour import Tour
 from palpate.probe import AlreadyTouching, Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
-
-HARDLY = 0.05  # so many hypotheses less, in the mean, are hardly worth a touch
 
 
 class _Ended(Exception):
@@ -188,7 +186,7 @@ class Run:
             if cut_short:
                 raise _Ended("budget", "planning was cut short before it found a path that can be used")
             raise _Ended("no_usable_path", "no path that can be used was found", proved=proved)
-        if not path.guaranteed and path.expected_score >= len(hypotheses) - HARDLY:
+        if not is_promising(path, len(hypotheses)):
             if cut_short:
                 raise _Ended("budget", "planning was cut short before it found a path that tells anything")
             raise _Ended(
@@ -201,15 +199,7 @@ class Run:
         settings = self._settings
         known = self._journal.peek("planned")
         if known is None:
-            tried = [(step.start, step.end - step.start) for step in self._steps]
-            report = plan_report(
-                hypotheses,
-                settings.sensor,
-                tried=tried,
-                **settings.placed,
-                **settings.judged,
-                **settings.searched,
-            )
+            report = next_path(hypotheses, settings, self._steps)
             self._journal.record(planned_event(report))
             return report.path, report.why, report.proved
         self._journal.record(known)
