@@ -19,6 +19,7 @@ from palpate.experiments.thesis_sensor import (
     DRAWN_ANEW,
     PLANNERS,
     SENSOR,
+    TOLD,
     parts,
     sensor_of,
     sensor_words,
@@ -26,8 +27,13 @@ from palpate.experiments.thesis_sensor import (
 
 PAIRS = 50
 TIME_LIMIT = 60.0
-STOPS: dict[str, Any] = {"60 s": "perfect", "3-unique": ("unique", 3)}
-FEWEST = {"60 s": 2, "3-unique": 4}  # hypotheses of the runs that a column is about
+SIXTY_SECONDS, THREE_UNIQUE = "60 s", "3-unique"
+STOPS: dict[str, Any] = {SIXTY_SECONDS: "perfect", THREE_UNIQUE: ("unique", 3)}
+FEWEST = {SIXTY_SECONDS: 2, THREE_UNIQUE: 4}  # hypotheses of the runs that a column is about
+ABOUT = {
+    SIXTY_SECONDS: "**60-second path**: the best within 60 seconds, for runs with two or more hypotheses.",
+    THREE_UNIQUE: "**3-unique path**: the first that identifies three, for runs with more than three hypotheses.",
+}
 
 # A group is a model of a set: the contacts are drawn from it, any of the set may explain them.
 GROUPS = tuple((names, name) for names in SETS for name in names)
@@ -68,49 +74,53 @@ def _tree(hypotheses: list[Hypothesis], sensor: Any, planner: Any, stop: Any) ->
 
 
 def markdown(rows: list[Row]) -> str:
-    """The table for each planner, and why its numbers differ from the thesis's."""
+    """The tables, and why their numbers differ from the thesis's."""
     cut = sum(
         seconds >= TIME_LIMIT for row in rows for name, seconds in row["seconds"].items() if name in row["trees"]
     )
     lost = sum(not row["kept"] for row in rows)
-    pairs = len(rows) // len(GROUPS)
+    of_sets = {names: [row for row in rows if tuple(row["set"]) == names] for names in SETS}
+    recognition = ["objects", "pairs", "interpretations, thesis", "ours", "recognition, thesis", "ours"]
     parts_of_page = [
-        f"{pairs} pairs of contacts from each model of each set, {len(rows):,} in all, at random places of its outline "
-        f"and with errors uniform within {sensor_words(SENSOR)}; {lost} of them lost the true part and pose. {COMPARED} "
-        f"Measured on: {machine()}.",
+        f"{len(rows) // len(GROUPS)} pairs of contacts from each model of each set, {len(rows):,} in all, at random places "
+        f"of its outline and with errors uniform within {sensor_words(SENSOR)}; {lost} of them lost the true part and pose. "
+        f"{COMPARED} Measured on: {machine()}.",
+        table(recognition, [_recognition(names, some) for names, some in of_sets.items()]),
         "*Time* is that of the whole ambiguity tree, *depth* the touches that it needs at worst, both in the mean over "
-        "the runs that the column is about: those with two or more hypotheses for the 60-second path, with more than "
-        f"three for the 3-unique path. The limit of 60 seconds cut short {cut} trees.",
+        f"the *runs* that the table is about. The limit of 60 seconds cut short {cut} trees.",
     ]
-    header = ["objects", "interpretations, thesis", "ours", "recognition, thesis", "ours"]
-    header += ["60-s path: time, thesis", "ours", "depth, thesis", "ours"]
-    header += ["3-unique path: time, thesis", "ours", "depth, thesis", "ours"]
-    for planner in PLANNERS:
-        cells = [_cells(names, [row for row in rows if tuple(row["set"]) == names], planner) for names in SETS]
-        parts_of_page += [f"With the planner `{planner}`:", table(header, cells)]
+    for column, about in ABOUT.items():
+        header = ["objects", "runs", "time, thesis", *TOLD, "depth, thesis", *TOLD]
+        cells = [_planning(names, some, column) for names, some in of_sets.items()]
+        parts_of_page += [about, table(header, cells)]
     return "\n\n".join([*parts_of_page, _why(rows)])
 
 
-def _cells(names: tuple[str, ...], rows: list[Row], planner: str) -> list[str]:
+def _recognition(names: tuple[str, ...], rows: list[Row]) -> list[str]:
     printed = TABLE_4_3[names]
     return [
         set_name(names),
+        str(len(rows)),
         f"{printed.interpretations:.3g}",
         f"{mean_of(rows, 'interpretations'):.2f}",
         f"{printed.recognition:.2f} s",
         duration(float(np.mean([row["seconds"]["recognition"] for row in rows]))),
-        *_column(rows, f"{planner}, 60 s", printed.sixty_seconds, depth=printed.sixty_seconds_depth),
-        *_column(rows, f"{planner}, 3-unique", printed.three_unique, depth=printed.three_unique_depth),
     ]
 
 
-def _column(rows: list[Row], name: str, seconds: float, *, depth: float) -> list[str]:
-    ran = [row for row in rows if name in row["trees"]]
-    printed = [f"{seconds:.2f} s", f"{depth:.2f}"] if depth else ["none", "none"]
-    if not ran:
-        return [printed[0], "none", printed[1], "none"]
-    time = duration(float(np.mean([row["seconds"][name] for row in ran])))
-    return [printed[0], time, printed[1], f"{np.mean([row['trees'][name]['worst'] for row in ran]):.2f}"]
+def _planning(names: tuple[str, ...], rows: list[Row], column: str) -> list[str]:
+    printed = TABLE_4_3[names]
+    seconds, depth = (
+        (printed.sixty_seconds, printed.sixty_seconds_depth)
+        if column == SIXTY_SECONDS
+        else (printed.three_unique, printed.three_unique_depth)
+    )
+    ran = [row for row in rows if row["hypotheses"] >= FEWEST[column]]
+    keys = [f"{planner}, {column}" for planner in PLANNERS]
+    times = [duration(float(np.mean([row["seconds"][key] for row in ran]))) if ran else "none" for key in keys]
+    depths = [f"{np.mean([row['trees'][key]['worst'] for row in ran]):.2f}" if ran else "none" for key in keys]
+    said = [f"{seconds:.2f} s", f"{depth:.2f}"] if depth else ["none", "none"]
+    return [set_name(names), str(len(ran)), said[0], *times, said[1], *depths]
 
 
 def mean_of(rows: list[Row], name: str) -> float:
@@ -147,7 +157,8 @@ def pictures(rows: list[Row]) -> list[Picture]:
     means: dict[tuple[str, ...], tuple[RandomData, float, float]] = {}
     for names in SETS:
         of_set = [row for row in rows if tuple(row["set"]) == names]
-        worst = [row["trees"]["auto, 60 s"]["worst"] for row in of_set if "auto, 60 s" in row["trees"]]
+        key = f"auto, {SIXTY_SECONDS}"
+        worst = [row["trees"][key]["worst"] for row in of_set if key in row["trees"]]
         depth = float(np.mean(worst)) if worst else math.nan
         means[names] = (TABLE_4_3[names], mean_of(of_set, "interpretations"), depth)
     caption = "Table 4.3 as a picture: mean number of interpretations, and depth of the 60-second trees (`auto`)."

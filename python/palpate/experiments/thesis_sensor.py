@@ -10,6 +10,7 @@ from palpate import Model, Sensor, bundled_parts
 
 SENSOR = {"position_error": 0.5, "normal_error_deg": 4.0, "max_incidence_deg": 89.0}
 PLANNERS = ("auto", "ellis")
+TOLD = tuple(f"`{planner}`" for planner in PLANNERS)
 DRAWN_ANEW = (
     "The parts are drawn anew: the thesis's outlines are not available, only their names, their numbers of faces and "
     "the number of interpretations at its standard points. Whatever depends on the outlines differs."
