@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate import AmbiguityTree, Hypothesis, random_contacts, recognize
-from palpate import plan_tree as planned_tree
+from palpate import plan_tree, random_contacts, recognize
 from palpate.experiments.campaign import Row
 from palpate.experiments.experiment import SEEDS, Experiment, Picture, timed
 from palpate.experiments.pages import duration, machine, table
@@ -26,7 +25,7 @@ from palpate.experiments.thesis_sensor import (
 )
 
 PAIRS = 50
-TIME_LIMIT = 60.0
+LIMIT = 60.0  # CPU seconds that the thesis gives a path; nothing is cut short here, but it is told
 SIXTY_SECONDS, THREE_UNIQUE = "60 s", "3-unique"
 STOPS: dict[str, Any] = {SIXTY_SECONDS: "perfect", THREE_UNIQUE: ("unique", 3)}
 FEWEST = {SIXTY_SECONDS: 2, THREE_UNIQUE: 4}  # hypotheses of the runs that a column is about
@@ -62,22 +61,18 @@ def task(number: int, **bounds: Any) -> Row:
         for column, stop in STOPS.items():
             if len(found.hypotheses) < FEWEST[column]:
                 continue
-            tree, seconds = timed(lambda p=planner, s=stop: _tree(found.hypotheses, sensor, p, s))
+            tree, seconds = timed(
+                lambda planner=planner, stop=stop: plan_tree(found.hypotheses, sensor, planner=planner, stop=stop)
+            )
             name = f"{planner}, {column}"
             row["trees"][name] = {"worst": tree.worst_touches, "expected": tree.expected_touches}
             row["seconds"][name] = seconds
     return row
 
 
-def _tree(hypotheses: list[Hypothesis], sensor: Any, planner: Any, stop: Any) -> AmbiguityTree:
-    return planned_tree(hypotheses, sensor, planner=planner, stop=stop, time_limit=TIME_LIMIT)
-
-
 def markdown(rows: list[Row]) -> str:
     """The tables, and why their numbers differ from the thesis's."""
-    cut = sum(
-        seconds >= TIME_LIMIT for row in rows for name, seconds in row["seconds"].items() if name in row["trees"]
-    )
+    longest = max((row["seconds"][name] for row in rows for name in row["trees"]), default=0.0)
     lost = sum(not row["kept"] for row in rows)
     of_sets = {names: [row for row in rows if tuple(row["set"]) == names] for names in SETS}
     recognition = ["objects", "pairs", "interpretations, thesis", "ours", "recognition, thesis", "ours"]
@@ -87,7 +82,8 @@ def markdown(rows: list[Row]) -> str:
         f"{COMPARED} Measured on: {machine()}.",
         table(recognition, [_recognition(names, some) for names, some in of_sets.items()]),
         "*Time* is that of the whole ambiguity tree, *depth* the touches that it needs at worst, both in the mean over "
-        f"the *runs* that the table is about. The limit of 60 seconds cut short {cut} trees.",
+        f"the *runs* that the table is about. No search is cut short, so that the result is the same everywhere; the "
+        f"longest took {duration(longest)}{'' if longest < LIMIT else ', more than the 60 s that the thesis gives it'}.",
     ]
     for column, about in ABOUT.items():
         header = ["objects", "runs", "time, thesis", *TOLD, "depth, thesis", *TOLD]

@@ -16,9 +16,9 @@ DRAWN_ANEW = (
     "the number of interpretations at its standard points. Whatever depends on the outlines differs."
 )
 COMPARED = (
-    "*Thesis* is what it prints, seconds of a VAX 11/750 with recognition in LISP and planning in C. `auto` is the "
+    "*Thesis* is what it prints, CPU seconds of a VAX 11/750 with recognition in LISP and planning in C. `auto` is the "
     "planner that is used if none is named, `ellis` the thesis's own search, both judged by the same judge over all "
-    "poses of each hypothesis."
+    "poses of each hypothesis; their times are CPU seconds too."
 )
 
 
