@@ -27,6 +27,7 @@ from rich.progress import (
 from palpate import __version__
 
 Row: TypeAlias = dict[str, Any]
+CLUSTER_HELP = "local, local:N, or the address of a Dask scheduler; else this process alone"
 SCHEMA, VERSION = "palpate-rows", 1
 
 
@@ -57,8 +58,8 @@ def run(  # noqa: PLR0917 - what is computed, by what, and where it goes
         The rows as they are read from the file, each with its "number".
 
     Raises:
-        ValueError: A file of another campaign, version or numbers; a cluster that is none; Dask is missing, or
-            another version of palpate is on a worker.
+        ValueError: A file of another campaign, version or numbers; a cluster that is none; Dask is missing;
+            another version of palpate on a worker.
         ConnectionError: The cluster is lost, or a task ended its worker too often.
     """
     file, wanted = Path(file), sorted(set(numbers))
@@ -68,8 +69,8 @@ def run(  # noqa: PLR0917 - what is computed, by what, and where it goes
     if missing and known and missing[0] < max(known):
         raise ValueError(f"file: {str(file)!r} holds rows of other numbers; name another one, or remove it")
     if missing:
-        computed = _computed(task, settings, missing, cluster)
-        with _bar(progress, name, total=len(wanted), done=len(wanted) - len(missing)) as advance:
+        computed = _computed(task, settings, numbers=missing, cluster=cluster)
+        with Bar(progress, name, total=len(wanted), done=len(wanted) - len(missing)) as advance:
             for number, row in _written(file, computed):
                 known[number] = row
                 advance()
@@ -98,7 +99,13 @@ def without_times(row: Row) -> Row:
 
 
 def _header(name: str, settings: dict[str, Any]) -> Row:
-    header = {"schema": SCHEMA, "version": VERSION, "palpate": __version__, "name": name, "settings": settings}
+    header = {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "palpate": __version__,
+        "name": name,
+        "settings": settings,
+    }
     as_read: Row = json.loads(json.dumps(header, allow_nan=False))
     return as_read
 
@@ -125,7 +132,7 @@ def _taken_up(file: Path, header: Row) -> dict[int, Row]:
 
 
 def _computed(
-    task: Callable[..., Row], settings: dict[str, Any], numbers: list[int], cluster: str | None
+    task: Callable[..., Row], settings: dict[str, Any], *, numbers: list[int], cluster: str | None
 ) -> Iterator[tuple[int, Row]]:
     if cluster is None:
         return ((number, task(number, **settings)) for number in numbers)
@@ -149,7 +156,7 @@ def _line(row: Row) -> bytes:
     return json.dumps(row, separators=(",", ":"), allow_nan=False).encode() + b"\n"
 
 
-class _bar:
+class Bar:
     """A bar of a campaign, on `progress` or one of its own; without a terminal, a line for every tenth."""
 
     def __init__(self, progress: Progress | None, name: str, *, total: int, done: int) -> None:

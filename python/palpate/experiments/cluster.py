@@ -58,7 +58,9 @@ def computed_on(
 
 def _row(task: Callable[..., Row], settings: dict[str, Any], version: str, number: int) -> Row:  # noqa: PLR0917
     if version != __version__:
-        raise ValueError(f"cluster: a worker has palpate {__version__}, not {version}; install the same on all")
+        raise ValueError(
+            f"cluster: a worker has palpate {__version__}, not {version}; install the same on all"
+        )
     return task(number, **settings)
 
 
@@ -85,7 +87,9 @@ def _local(cluster: str, count: str, stack: ExitStack) -> Any:
     from distributed import LocalCluster
 
     if cluster != "local" and not (count.isascii() and count.isdigit() and int(count) > 0):
-        raise ValueError(f"cluster: its number of processes must be 1 or more (got {cluster!r}); give local:2")
+        raise ValueError(
+            f"cluster: its number of processes must be 1 or more (got {cluster!r}); give local:2"
+        )
     stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": OFTEN}))
     # One thread each: the processes are what is parallel. A nanny starts a worker that was killed again.
     return stack.enter_context(
