@@ -88,8 +88,8 @@ loop-figures: .venv/.built ## 200 closed loops over all bundled parts: statuses,
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
 
-experiments: .venv/.built .venv/.test ## the thesis's tables and figures; an HTML page, and docs/experiments.md anew (minutes)
-	$(BIN)/palpate experiment all --cluster local --out target/experiments $(ARGS)
+experiments: .venv/.built ## the thesis's tables and figures; an HTML page, and docs/experiments.md anew (minutes)
+	$(BIN)/palpate experiment all --out target/experiments $(ARGS)
 	$(BIN)/python -m palpate.experiments.thesis target/experiments docs/experiments.md
 
 docs: .venv/.built .venv/.docs ## the reference of the core in target/doc; the site, if there is a mkdocs.yml, in site/

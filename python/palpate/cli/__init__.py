@@ -1,5 +1,4 @@
-"""The command line: `palpate demo`, `recognize`, `plan`, `identify`, `replay`,
-`experiment`, `models`.
+"""The command line: `palpate demo`, `recognize`, `plan`, `identify`, `replay`, `experiment`, `models`.
 
 Results go to stdout, progress to stderr and only on a terminal. Bad input is one line on stderr and exit
 code 2.

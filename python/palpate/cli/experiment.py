@@ -56,11 +56,12 @@ def experiment(
         ),
     ] = None,
     seed: Annotated[
-        int, typer.Option(parser=options.whole(0, MOST_SEEDS), metavar="S", help="Chooses the random problems.")
+        int,
+        typer.Option(parser=options.whole(0, MOST_SEEDS), metavar="S", help="Chooses the random problems."),
     ] = 0,
     json: options.Json = False,
 ) -> None:
-    """Do the thesis's experiments again: its tables with its numbers beside ours, its figures, as one HTML page."""
+    """The thesis's experiments again: its tables, its numbers beside ours, and its figures, as one page."""
     from palpate.experiments.conduct import REPORT, conduct, save_report
 
     outcomes = conduct(name, out, problems=problems, seed=seed, cluster=cluster)

@@ -45,7 +45,7 @@ def conduct(
         cluster: As for `campaign.run`.
 
     Raises:
-        ValueError: No such experiment; a number of problems for one whose problems are fixed; as `campaign.run`.
+        ValueError: No such experiment; a number of problems where they are fixed; as `campaign.run`.
     """
     chosen = named(name)
     if problems is not None and all(one.repeats is None for one in chosen.values()):
@@ -91,7 +91,8 @@ def _lead(*, everything: bool) -> str:
     if not everything:
         return f"{made}."
     return (
-        "Chapter 4 of R. E. Ellis, *A Tactile Sensing Strategy for Model-Based Object Recognition* (1987), once more: its "
-        "tables with its own numbers beside ours, and its figures. The objects are drawn anew, since the thesis's outlines "
-        f"are not available. {made} with `palpate experiment {ALL}`."
+        "Chapter 4 of R. E. Ellis, *A Tactile Sensing Strategy for Model-Based Object Recognition* "
+        "(1987), once more: its tables with its own numbers beside ours, and its figures. The objects "
+        f"are drawn anew, since the thesis's outlines are not available. {made} with `palpate experiment "
+        f"{ALL}`."
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -59,9 +60,7 @@ def task(number: int, *, speed: float, **bounds: Any) -> Row:
     }
 
 
-def run(
-    names: tuple[str, ...], truth: str, seed: int, **bounds: Any
-) -> tuple[Result, Array]:
+def run(names: tuple[str, ...], truth: str, seed: int, **bounds: Any) -> tuple[Result, Array]:
     """A loop with a part at a random pose in the workspace; the result and the true pose."""
     model, sensor = parts()[truth], sensor_of(**bounds)
     random = np.random.default_rng(seed)
@@ -72,9 +71,9 @@ def run(
 
 @cache
 def exemplary(
-    names: tuple[str, ...], truth: str, hypotheses: int, bounds: tuple[tuple[str, float], ...]
+    names: tuple[str, ...], truth: str, *, hypotheses: int, bounds: tuple[tuple[str, float], ...]
 ) -> Result:
-    """The first run that two contacts leave so many hypotheses, and that needs one path then; of some runs."""
+    """The first run in which two contacts leave so many hypotheses, and one more decides."""
     for number in range(MOST_TRIES):
         result, _ = run(names, truth, number, **dict(bounds))
         first = next(step for step in result.steps if step.hypotheses is not None)
@@ -101,7 +100,7 @@ def travels(result: Result) -> tuple[float, float]:
     scanned = probed = 0.0
     for step in result.steps:
         places = [*([] if at is None else [at]), *step.route, step.start, stopped_at(step)]
-        way = sum(math.dist(a, b) for a, b in zip(places, places[1:], strict=False))
+        way = sum(math.dist(a, b) for a, b in pairwise(places))
         if step.purpose == "scan":
             scanned += way
         else:
@@ -134,21 +133,22 @@ def markdown(rows: list[Row]) -> str:
     solved = share(sum(row["status"] == "solved" for row in rows) / len(rows))
     return "\n\n".join(
         [
-            f"{runs} runs of each kind, simulated: a part at a random pose in a workspace of 290 × 320 mm, found by touch "
-            f"with errors uniform within {sensor_words(BROAD)}. Moves take their length at {SPEED:g} mm/s, free and "
-            "guarded alike, with no time to start, stop or settle; computing is measured on: "
-            f"{machine()}. Means over the runs.",
+            f"{runs} runs of each kind, simulated: a part at a random pose in a workspace of 290 × 320 "
+            f"mm, found by touch with errors uniform within {sensor_words(BROAD)}. Moves take their "
+            f"length at {SPEED:g} mm/s, free and guarded alike, with no time to start, stop or settle; "
+            f"computing is measured on: {machine()}. Means over the runs.",
             table(header, cells),
-            "The thesis gives one run of each, with its robot's own moves and all computing on a VAX 11/750. The speed is our "
-            "choice: at it the initial data take about as long as the thesis's. The thesis's parts are drawn anew. In the "
-            "thesis it is the right casing that lies there; so it is in the first two kinds here, while in the third any of "
-            "the three parts lies there.",
+            "The thesis gives one run of each, with its robot's own moves and all computing on a VAX "
+            "11/750. The speed is our choice: at it the initial data take about as long as the thesis's. "
+            "The thesis's parts are drawn anew. In the thesis it is the right casing that lies there; so "
+            "it is in the first two kinds here, while in the third any of the three parts lies there.",
             "How the runs ended:",
             table(columns, more),
-            f"{solved} of the runs end with one hypothesis, whose poses may still differ by millimetres and degrees. "
-            "*Initial data* is all until two independent normals were had; *path execution* the moves from there on, in "
-            "the mean over all runs, those included that need none. Where the two are of a size with the thesis's, "
-            "computing is not: it has gone from a third of the whole to nothing.",
+            f"{solved} of the runs end with one hypothesis, whose poses may still differ by millimetres "
+            "and degrees. *Initial data* is all until two independent normals were had; *path execution* "
+            "the moves from there on, in the mean over all runs, those included that need none. Where "
+            "the two are of a size with the thesis's, computing is not: it has gone from a third of the "
+            "whole to nothing.",
         ]
     )
 

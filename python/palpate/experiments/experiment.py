@@ -36,7 +36,7 @@ class Experiment:
 
     title: str
     task: Callable[..., Row]
-    """`task(number, **settings)`; number `s * SEEDS + k * groups + g` is problem k of kind g with the seed s."""
+    """`task(number, **settings)`; number `s * SEEDS + k * groups + g` is problem k of kind g with seed s."""
     table: Callable[[list[Row]], str]
     """Markdown: the tables, and what is to be known of them."""
     groups: int

@@ -1,8 +1,9 @@
-"""Table 4.2: two contacts that either of two objects may explain; perfect paths, and paths that identify two."""
+"""Table 4.2: two contacts that either of two objects may explain; perfect paths, and limited search."""
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
+from typing import Any, Literal
 
 import numpy as np
 
@@ -23,10 +24,11 @@ from palpate.experiments.thesis_sensor import (
 )
 
 RUNS = 5  # of which the median time is told
-TWO_UNIQUE = ("unique", 2)
+TWO_UNIQUE: tuple[Literal["unique"], int] = ("unique", 2)
 
-# The thesis's pairs share their contacts: each object has as many interpretations as in table 4.1, and limited search
-# takes two paths. Seeds of `random_contacts` on the first object of each pair, the smallest with which that is so.
+# The thesis's pairs share their contacts: each object has as many interpretations as in table 4.1, and limited
+# search takes two paths. Seeds of `random_contacts` on the first object of each pair, the smallest with which
+# that is so.
 COMMON_SEEDS = dict(zip(STANDARD_PAIRS, (63, 1591, 21), strict=True))
 
 
@@ -37,7 +39,7 @@ def common_contacts(pair: tuple[str, str]) -> list[Contact]:
 
 
 def task(number: int, **bounds: Any) -> Row:
-    """A pair of objects, first with contacts that are common to both, then with the standard points of either."""
+    """A pair of objects, with contacts common to both or with the standard points of either."""
     seed, place = divmod(number, SEEDS)
     kind, which = divmod(place, len(STANDARD_PAIRS))
     pair = STANDARD_PAIRS[which]
@@ -46,17 +48,17 @@ def task(number: int, **bounds: Any) -> Row:
     contacts = common_contacts(pair) if own is None else standard_contacts(own)
     found = recognize([parts()[name] for name in pair], contacts)
     counts = [sum(one.model.name == name for one in found.hypotheses) for name in pair]
-    row: Row = {"pair": list(pair), "standard_points_of": own, "hypotheses": counts, "planners": {}, "seconds": {}}
+    row: Row = {
+        "pair": list(pair),
+        "standard_points_of": own,
+        "hypotheses": counts,
+        "planners": {},
+        "seconds": {},
+    }
     for planner in PLANNERS:
-        report, perfect = timed(
-            lambda planner=planner: plan_report(found.hypotheses, sensor, planner=planner, seed=seed), runs=RUNS
-        )
-        _, first = timed(
-            lambda planner=planner: plan_report(
-                found.hypotheses, sensor, planner=planner, stop=TWO_UNIQUE, seed=seed
-            ),
-            runs=RUNS,
-        )
+        planning = partial(plan_report, found.hypotheses, sensor, planner=planner, seed=seed)
+        report, perfect = timed(planning, runs=RUNS)
+        _, first = timed(partial(planning, stop=TWO_UNIQUE), runs=RUNS)
         tree = plan_tree(found.hypotheses, sensor, planner=planner, stop=TWO_UNIQUE, seed=seed)
         row["planners"][planner] = {
             "score": None if report.path is None else report.path.score,
@@ -76,16 +78,19 @@ def markdown(rows: list[Row]) -> str:
     alone += [f"identified, {one}" for one in TOLD]
     return "\n\n".join(
         [
-            f"Two contacts of {sensor_words(SENSOR)} that either of two objects may explain. {COMPARED} Median of {RUNS} "
-            f"runs on: {machine()}. A time in brackets is of a path that is the planner's best, but not perfect.",
+            f"Two contacts of {sensor_words(SENSOR)} that either of two objects may explain. {COMPARED} "
+            f"Median of {RUNS} runs on: {machine()}. A time in brackets is of a path that is the "
+            "planner's best, but not perfect.",
             table(perfect, [_perfect_cells(row) for row in common]),
-            "With search that stops at a path that identifies two; *identified* is how many the paths of each level of the "
-            "ambiguity tree identify:",
+            "With search that stops at a path that identifies two; *identified* is how many the paths of "
+            "each level of the ambiguity tree identify:",
             table(limited, [_limited_cells(row) for row in common]),
-            f"{DRAWN_ANEW} As in the thesis the two contacts are common to both objects, each object explains them as "
-            "often as in table 4.1, and the limited search takes two paths: of the pairs of contacts drawn from the first "
-            "object with the seeds 0, 1, 2 and so on, the first of which that is true was taken.",
-            "The same pairs with the standard points of one of them, which the other explains by chance, if at all:",
+            f"{DRAWN_ANEW} As in the thesis the two contacts are common to both objects, each object "
+            "explains them as often as in table 4.1, and the limited search takes two paths: of the "
+            "pairs of contacts drawn from the first object with the seeds 0, 1, 2 and so on, the first "
+            "of which that is true was taken.",
+            "The same pairs with the standard points of one of them, which the other explains by chance, "
+            "if at all:",
             table(alone, [_alone_cells(row) for row in own]),
         ]
     )

@@ -1,7 +1,7 @@
 """What the thesis prints (chapter 4), to stand beside what is measured.
 
-Its times are seconds of a VAX 11/750, recognition in LISP, planning in C. Names and numbers are as printed; where
-the print can't be read with certainty, what is here says so.
+Its times are seconds of a VAX 11/750, recognition in LISP, planning in C. Where the print can't be read with
+certainty, what is here says so.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ TABLE_4_1 = {
     "beer-bottle": StandardPoints(8, 3, 3.3, 0.7),
 }
 
-# The scan that the text comes from has 36.1 or 30.1 in the second row and 12.2 or 14.4 in the third; "almost 7
-# seconds" less than 12.2 is the 5.5 beside it, so that 12.2 it is. Nothing decides the second.
+# The print can be read as 36.1 or 30.1 in the second row and as 12.2 or 14.4 in the third; "almost 7 seconds"
+# less than 12.2 is the 5.5 beside it, so that 12.2 it is. Nothing decides the second.
 TABLE_4_2 = dict(
     zip(
         STANDARD_PAIRS,

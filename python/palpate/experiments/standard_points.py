@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from palpate import plan_report, recognize, standard_contacts
@@ -38,10 +39,8 @@ def task(number: int, **bounds: Any) -> Row:
         "seconds": {"recognition": seconds},
     }
     for planner in PLANNERS:
-        report, seconds = timed(
-            lambda planner=planner: plan_report(found.hypotheses, sensor, planner=planner, seed=seed),
-            runs=RUNS,
-        )
+        planning = partial(plan_report, found.hypotheses, sensor, planner=planner, seed=seed)
+        report, seconds = timed(planning, runs=RUNS)
         row["score"][planner] = None if report.path is None else report.path.score
         row["seconds"][planner] = seconds
     return row
@@ -71,8 +70,9 @@ def markdown(rows: list[Row]) -> str:
         [
             f"Two contacts of {sensor_words(SENSOR)}. {COMPARED} Median of {RUNS} runs on: {machine()}.",
             table(header, cells),
-            f"{DRAWN_ANEW} The standard points were chosen so that the thesis's numbers of interpretations come out. "
-            "A time in brackets is of a path that is the planner's best, but not perfect.",
+            f"{DRAWN_ANEW} The standard points were chosen so that the thesis's numbers of "
+            "interpretations come out. A time in brackets is of a path that is the planner's best, but "
+            "not perfect.",
         ]
     )
 

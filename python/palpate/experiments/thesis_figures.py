@@ -7,7 +7,17 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from palpate import AmbiguityTree, Contact, Hypothesis, Path, Result, plan, plan_tree, recognize, standard_contacts
+from palpate import (
+    AmbiguityTree,
+    Contact,
+    Hypothesis,
+    Path,
+    Result,
+    plan,
+    plan_tree,
+    recognize,
+    standard_contacts,
+)
 from palpate.experiments.campaign import Row
 from palpate.experiments.drill import BROAD, MEASURED, exemplary
 from palpate.experiments.experiment import SEEDS, Experiment, Picture
@@ -50,7 +60,7 @@ def _among(found: list[Hypothesis], path: Path | None, contacts: list[Contact]) 
 
 
 def _two_objects() -> tuple[list[Hypothesis], list[Contact], AmbiguityTree]:
-    """Telephone or boot, with limited search: by the thesis's planner, which stops at two of them identified."""
+    """Telephone or boot, with the thesis's search, which stops at two identified."""
     contacts = common_contacts(TELEPHONE_OR_BOOT)
     found = recognize([parts()[name] for name in TELEPHONE_OR_BOOT], contacts).hypotheses
     return found, contacts, plan_tree(found, sensor_of(**SENSOR), planner="ellis", stop=TWO_UNIQUE)
@@ -60,7 +70,10 @@ def _tree() -> Drawn:
     from palpate.plots import plot_ambiguity_tree
 
     found, _, tree = _two_objects()
-    return plot_ambiguity_tree(tree), {"hypotheses": len(found), "paths": sum(n.path is not None for n in tree.nodes)}
+    return plot_ambiguity_tree(tree), {
+        "hypotheses": len(found),
+        "paths": sum(n.path is not None for n in tree.nodes),
+    }
 
 
 def _path_of_tree(level: int) -> Callable[[], Drawn]:
@@ -83,7 +96,7 @@ def _drill_parts() -> Drawn:
 
 
 def _run_of(names: tuple[str, ...], bounds: dict[str, float]) -> Result:
-    return exemplary(names, "drill-right", FIRST_LEFT[names], tuple(bounds.items()))
+    return exemplary(names, "drill-right", hypotheses=FIRST_LEFT[names], bounds=tuple(bounds.items()))
 
 
 def _first_path(names: tuple[str, ...], bounds: dict[str, float]) -> Callable[[], Drawn]:
@@ -158,17 +171,22 @@ def task(number: int) -> Row:
 def markdown(rows: list[Row]) -> str:
     """What each figure shows."""
     cells = [
-        [f"{row['figure']} {FIGURES[row['figure']][0]}", _words(PRINTED.get(row["figure"], {})), _words(row["facts"])]
+        [
+            f"{row['figure']} {FIGURES[row['figure']][0]}",
+            _words(PRINTED.get(row["figure"], {})),
+            _words(row["facts"]),
+        ]
         for row in rows
     ]
     return "\n\n".join(
         [
             f"{DRAWN_ANEW} Figures 4.9 and 4.11 are photographs.",
             table(["figure", "thesis", "ours"], cells),
-            "4.2 to 4.5 are perfect paths among the interpretations of the standard points of figure 4.1. 4.6 to 4.8 are of "
-            "the two contacts that telephone and boot share (table 4.2), by the thesis's own search, `ellis`, that stops at two "
-            "identified. 4.12 to 4.14 are of the first random poses of the right casing at which two contacts leave as many "
-            "hypotheses as shown and one path decides, with ±4 mm and ±5°; 4.15 and 4.16 the same with ±0.5 mm and ±1°.",
+            "4.2 to 4.5 are perfect paths among the interpretations of the standard points of figure "
+            "4.1. 4.6 to 4.8 are of the two contacts that telephone and boot share (table 4.2), by the "
+            "thesis's own search, `ellis`, that stops at two identified. 4.12 to 4.14 are of the first "
+            "random poses of the right casing at which two contacts leave as many hypotheses as shown "
+            "and one path decides, with ±4 mm and ±5°; 4.15 and 4.16 the same with ±0.5 mm and ±1°.",
         ]
     )
 
@@ -176,7 +194,8 @@ def markdown(rows: list[Row]) -> str:
 def _words(facts: dict[str, int]) -> str:
     singular = {"hypotheses": "hypothesis", "classes": "class", "touches": "touch"}
     return ", ".join(
-        f"{count} {singular.get(name, name.removesuffix('s')) if count == 1 else name}" for name, count in facts.items()
+        f"{count} {singular.get(name, name.removesuffix('s')) if count == 1 else name}"
+        for name, count in facts.items()
     )
 
 

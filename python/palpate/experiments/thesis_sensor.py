@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 from palpate import Model, Sensor, bundled_parts
 
 SENSOR = {"position_error": 0.5, "normal_error_deg": 4.0, "max_incidence_deg": 89.0}
-PLANNERS = ("auto", "ellis")
+Planner: TypeAlias = Literal["auto", "ellis"]
+PLANNERS: tuple[Planner, ...] = ("auto", "ellis")
 TOLD = tuple(f"`{planner}`" for planner in PLANNERS)
 DRAWN_ANEW = (
-    "The parts are drawn anew: the thesis's outlines are not available, only their names, their numbers of faces and "
-    "the number of interpretations at its standard points. Whatever depends on the outlines differs."
+    "The parts are drawn anew: the thesis's outlines are not available, only their names, their numbers "
+    "of faces and the number of interpretations at its standard points. Whatever depends on the outlines "
+    "differs."
 )
 COMPARED = (
-    "*Thesis* is what it prints, CPU seconds of a VAX 11/750 with recognition in LISP and planning in C. `auto` is the "
-    "planner that is used if none is named, `ellis` the thesis's own search, both judged by the same judge over all "
-    "poses of each hypothesis; their times are CPU seconds too."
+    "*Thesis* is what it prints, CPU seconds of a VAX 11/750 with recognition in LISP and planning in C. "
+    "`auto` is the planner that is used if none is named, `ellis` the thesis's own search, both judged "
+    "by the same judge over all poses of each hypothesis; their times are CPU seconds too."
 )
 
 
