@@ -26,9 +26,9 @@ from palpate.experiments.thesis_sensor import (
 RUNS = 5  # of which the median time is told
 TWO_UNIQUE: tuple[Literal["unique"], int] = ("unique", 2)
 
-# The thesis's pairs share their contacts: each object has as many interpretations as in table 4.1, and limited
-# search takes two paths. Seeds of `random_contacts` on the first object of each pair, the smallest with which
-# that is so.
+# The thesis's pairs share their contacts: each object has as many interpretations as in table 4.1, and
+# limited search takes two paths. Seeds of `random_contacts` on the first object of each pair, the smallest
+# with which that is so.
 COMMON_SEEDS = dict(zip(STANDARD_PAIRS, (63, 1591, 21), strict=True))
 
 
