@@ -139,9 +139,10 @@ def markdown(rows: list[Row]) -> str:
             f"computing is measured on: {machine()}. Means over the runs.",
             table(header, cells),
             "The thesis gives one run of each, with its robot's own moves and all computing on a VAX "
-            "11/750. The speed is our choice: at it the initial data take about as long as the thesis's. "
-            "The thesis's parts are drawn anew. In the thesis it is the right casing that lies there; so "
-            "it is in the first two kinds here, while in the third any of the three parts lies there.",
+            "11/750. The speed is our choice: at it the initial data of its two kinds take about as long "
+            "as there. The thesis's parts are drawn anew. In the thesis it is the right casing that lies "
+            "there; so it is in the first two kinds here, while in the third any of the three parts lies "
+            "there.",
             "How the runs ended:",
             table(columns, more),
             f"{solved} of the runs end with one hypothesis, whose poses may still differ by millimetres "

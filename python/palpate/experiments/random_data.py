@@ -143,8 +143,8 @@ Where the numbers differ in kind from the thesis's:
 
 - **Interpretations.** {DRAWN_ANEW}
   One object explains its own data as often as there: {alone:.2f} in the mean over the six,
-  {alone_printed:.2f} in the thesis. But the six together have {left:.2f} (at most {most}) where the thesis has
-  22.6, more than the {standard} of its standard points, which were chosen for their ambiguity. So it is
+  {alone_printed:.2f} in the thesis. But the six together have {left:.2f} (at most {most}) where the thesis
+  has 22.6, more than the {standard} of its standard points, which were chosen for their ambiguity. So it is
   what *other* objects make of the data that differs: the thesis's must have nearly the same angles between
   their faces; ours have angles of their own. That palpate decides each interpretation exactly matters
   little: for all six the tests of pairs let {passed:.2f} pass, of which {left:.2f} hold.
