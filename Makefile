@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures loop-figures campaign-loop tune-figures table-no-normals wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures loop-figures campaign-loop tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -93,6 +93,10 @@ tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs
 
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
+
+experiments: .venv/.built ## the thesis's tables and figures; an HTML page, and docs/experiments.md anew (minutes)
+	$(BIN)/palpate experiment all --out target/experiments $(ARGS)
+	$(BIN)/python -m palpate.experiments.thesis target/experiments docs/experiments.md
 
 docs: .venv/.built .venv/.docs ## the reference of the core in target/doc; the site, if there is a mkdocs.yml, in site/
 	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --package palpate --no-deps

@@ -19,9 +19,9 @@ from typing import Any
 
 from palpate.experiments import campaign, closed_loop, loop_tables, strangers
 from palpate.experiments.campaign import Row
+from palpate.experiments.experiment import SEEDS, Experiment
 from palpate.experiments.pages import rewrite
 
-SEEDS_PER_CAMPAIGN = 10**9
 FINE = {"position_error": 0.5, "normal_error_deg": 4.0}
 COARSE = {"position_error": 4.0, "normal_error_deg": 5.0}
 RIVALS = list(loop_tables.WAYS)[1:]
@@ -62,11 +62,38 @@ PARTS = {
 }
 
 
+def _loops(rows: list[Row]) -> str:
+    tables = [loop_tables.ends(loop_tables.by_noise(rows)), loop_tables.distribution(rows)]
+    return "\n\n".join([*tables, loop_tables.by_part(rows)])
+
+
+def _experiment(name: str, table: Callable[[list[Row]], str]) -> Experiment:
+    part = PARTS[name]
+    return Experiment(
+        title=f"Closed loops: {part.title}",
+        task=part.task,
+        table=table,
+        groups=len(closed_loop.library()),
+        repeats=10,
+        settings=part.settings,
+        of_thesis=False,
+    )
+
+
+EXPERIMENTS = {
+    "loops": _experiment("fine", _loops),
+    "loops-coarse": _experiment("coarse", _loops),
+    "loops-beside": _experiment("rivals-drawn", loop_tables.beside),
+    "loops-strange-part": _experiment("part", lambda rows: loop_tables.strangers({"": rows})),
+    "loops-strange-readings": _experiment("readings", lambda rows: loop_tables.strangers({"": rows})),
+}
+
+
 def run(problems: int, seed: int, out: Path, *, cluster: str | None) -> dict[str, list[Row]]:
     """The rows of all campaigns."""
     done = {}
     for name, part in PARTS.items():
-        first = seed * SEEDS_PER_CAMPAIGN
+        first = seed * SEEDS
         numbers = range(first, first + max(1, round(part.share * problems)))
         file = out / f"{name}.jsonl"
         done[name] = campaign.run(name, part.settings, numbers, part.task, file, cluster=cluster)

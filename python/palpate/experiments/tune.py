@@ -16,6 +16,7 @@ import numpy as np
 from palpate import Model, Sensor
 from palpate.experiments.campaign import Row
 from palpate.experiments.closed_loop import problem_of, row_of, scaled
+from palpate.experiments.experiment import SEEDS
 
 Stop: TypeAlias = str | tuple[str, float]
 
@@ -113,7 +114,7 @@ def tune(
     def trial(setting: Setting) -> Tried:
         rows = []
         for number in range(problems):
-            rows.append(_loop(models, sensor, setting, number=seed * 10**9 + number))
+            rows.append(_loop(models, sensor, setting, number=seed * SEEDS + number))
             advance()
         return _tried(setting, rows, costs)
 
