@@ -26,6 +26,7 @@ def test_a_slice_of_the_campaign(tmp_path):
         text=True,
         check=False,
     )
+    assert done.returncode == 0, done.stdout + done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     total = summary["total"]
     assert total["problems"] == 1500

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 AHEAD = 8  # tasks of each worker that are handed out, so that one slow task does not keep others from work
 LEAST_AHEAD = 64
 ANSWERS_WITHIN = 20.0  # seconds in which a scheduler answers
+BUSY = 120.0  # the same for processes of this machine, which may have more to do than it can
 PATIENCE = 300.0  # seconds without any worker: a cluster that grows on demand may take minutes for its first
 OFTEN = 10  # workers that may end at one task; by Dask's own default, 3, one bad moment would end a campaign
 
@@ -90,7 +91,12 @@ def _local(cluster: str, count: str, stack: ExitStack) -> Any:
         raise ValueError(
             f"cluster: its number of processes must be 1 or more (got {cluster!r}); give local:2"
         )
-    stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": OFTEN}))
+    timeouts = dict.fromkeys(("connect", "tcp"), f"{BUSY:.0f}s")
+    stack.enter_context(
+        dask.config.set(
+            {"distributed.scheduler.allowed-failures": OFTEN, "distributed.comm.timeouts": timeouts}
+        )
+    )
     # One thread each: the processes are what is parallel. A nanny starts a worker that was killed again.
     return stack.enter_context(
         LocalCluster(
