@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures loop-figures table-no-normals wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures loop-figures campaign-loop tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -67,7 +67,7 @@ accuracy: .venv/.built ## measure bounds against dense sampling; writes docs/acc
 	$(call FIGURE,tightness,docs/accuracy.md)
 	$(call FIGURE,thesis_bounds,docs/accuracy.md)
 
-campaign-plane: .venv/.built ## 100,000 random planar problems: is anything true lost? resumes where it was stopped
+campaign-plane: .venv/.built .venv/.cluster ## 100,000 random planar problems: is anything true lost? resumes where it was stopped
 	$(BIN)/python -m palpate.experiments.campaign_plane $(ARGS)
 
 campaign-plan: | .venv/.cargo ## 1,000 planning problems, 200,000 random lines each: is any better than complete? resumes
@@ -85,8 +85,18 @@ planning-figures: .venv/.built promises ## measure planning; writes docs/plannin
 loop-figures: .venv/.built ## 200 closed loops over all bundled parts: statuses, touches, times, as JSON
 	@$(BIN)/python -m palpate.experiments.loop $(ARGS)
 
+campaign-loop: .venv/.built .venv/.cluster ## 10,000 closed loops: is a truth lost? writes docs/closed-loop.md; ARGS="--cluster local:2"; resumes
+	$(BIN)/python -m palpate.experiments.campaign_loop --page docs/closed-loop.md $(ARGS)
+
+tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs/closed-loop.md (some minutes)
+	$(BIN)/python -m palpate.experiments.tune_page docs/closed-loop.md $(ARGS)
+
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
+
+experiments: .venv/.built ## the thesis's tables and figures; an HTML page, and docs/experiments.md anew (minutes)
+	$(BIN)/palpate experiment all --out target/experiments $(ARGS)
+	$(BIN)/python -m palpate.experiments.thesis target/experiments docs/experiments.md
 
 docs: .venv/.built .venv/.docs ## the reference of the core in target/doc; the site, if there is a mkdocs.yml, in site/
 	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --package palpate --no-deps
@@ -121,7 +131,7 @@ clean: ## remove what was built, .venv included
 	@touch $@
 
 # palpate itself is installed by now, so that these add only what its extras name.
-.venv/.test .venv/.dev .venv/.docs: .venv/.%: pyproject.toml | .venv/.built
+.venv/.test .venv/.dev .venv/.docs .venv/.cluster: .venv/.%: pyproject.toml | .venv/.built
 	@echo "installing what $* needs"
 	@$(PIP) 'palpate[$*]'
 	@touch $@

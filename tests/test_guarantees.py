@@ -12,19 +12,21 @@ from palpate.experiments import campaign_plane, no_normals
 CAMPAIGN = [sys.executable, "-m", "palpate.experiments.campaign_plane"]
 
 
-def campaign(out, *, problems, workers=1, seed=0):
+def campaign(out, *, problems, cluster=None, seed=0):
     """Arguments of a campaign."""
-    return ["--problems", str(problems), "--seed", str(seed), "--workers", str(workers), "--out", str(out)]
+    where = [] if cluster is None else ["--cluster", cluster]
+    return ["--problems", str(problems), "--seed", str(seed), "--out", str(out), *where]
 
 
 def test_a_slice_of_the_campaign(tmp_path):
     """1,500 of the 100,000 problems of `make campaign-plane`."""
     done = subprocess.run(
-        [*CAMPAIGN, *campaign(tmp_path / "out", problems=1500, workers=2)],
+        [*CAMPAIGN, *campaign(tmp_path / "out", problems=1500, cluster="local:2")],
         capture_output=True,
         text=True,
         check=False,
     )
+    assert done.returncode == 0, done.stdout + done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     total = summary["total"]
     assert total["problems"] == 1500
@@ -37,21 +39,21 @@ def test_a_slice_of_the_campaign(tmp_path):
 def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     """Killed without warning and started again: the same summary, and nothing is checked twice."""
     problems = 6 * campaign_plane.CHUNK
-    command = [*CAMPAIGN, *campaign(tmp_path / "killed", problems=problems, workers=2)]
+    command = [*CAMPAIGN, *campaign(tmp_path / "killed", problems=problems, cluster="local:2")]
     started = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    chunks = tmp_path / "killed" / "chunks.jsonl"
+    rows = tmp_path / "killed" / "rows.jsonl"
     try:
-        while not (chunks.exists() and chunks.read_text().count("\n") >= 1):
+        while not (rows.exists() and rows.read_text().count("\n") >= 2):
             assert started.poll() is None
             time.sleep(0.02)
     finally:
         started.kill()
         started.wait()
-    before = chunks.read_text()
+    before = rows.read_text()
     # As if the last line had been cut short.
-    chunks.write_text(before + '{"chunk":3,"fam')
+    rows.write_text(before + '{"number":3,"fam')
     campaign_plane.main(campaign(tmp_path / "killed", problems=problems))
-    assert chunks.read_text().startswith(before)
+    assert rows.read_text().startswith(before)
     campaign_plane.main(campaign(tmp_path / "whole", problems=problems))
     assert (tmp_path / "killed" / "summary.json").read_bytes() == (
         tmp_path / "whole" / "summary.json"
@@ -63,7 +65,7 @@ def test_a_campaign_does_not_mix_with_another(tmp_path, capsys):
     with pytest.raises(SystemExit) as stopped:
         campaign_plane.main(campaign(tmp_path, problems=4))
     assert stopped.value.code == 2
-    assert "holds other results" in capsys.readouterr().err
+    assert "holds other rows" in capsys.readouterr().err
 
 
 def test_a_fault_is_told_and_fails(tmp_path, monkeypatch, capsys):

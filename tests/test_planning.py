@@ -70,7 +70,8 @@ def test_path(hands, path):
 
 def test_outcomes(path):
     last = max(touch.depth[1] for outcome in path.outcomes for touch in outcome.touches)
-    assert last + path.margin < path.length < last + 3.0 * path.margin + 2.0
+    # Past the last contact also where the path is shifted by its margin, at up to 60° of incidence.
+    assert last < path.length < last + 2.0 + 2.0 * path.margin
     for k, outcome in enumerate(path.outcomes):
         assert outcome.hypothesis == k and outcome.fault is None
         assert outcome.touches or outcome.may_miss

@@ -1,4 +1,4 @@
-"""The command line: `palpate demo`, `recognize`, `plan`, `identify`, `replay`, `models`.
+"""The command line: `demo`, `recognize`, `plan`, `identify`, `replay`, `experiment`, `tune`, `models`.
 
 Results go to stdout, progress to stderr and only on a terminal. Bad input is one line on stderr and exit
 code 2.

@@ -10,10 +10,12 @@ from typer.core import TyperCommand, TyperGroup
 import palpate
 from palpate.cli.console import PROGRAM
 from palpate.cli.demo import demo
+from palpate.cli.experiment import experiment
 from palpate.cli.identify import identify, replay
 from palpate.cli.models import models
 from palpate.cli.plan import plan
 from palpate.cli.recognize import recognize
+from palpate.cli.tune import tune
 
 
 class _HelpIsAFlag:
@@ -57,7 +59,9 @@ app.command(
     epilog="Example: palpate identify boot camera --probe sim --truth boot --pose 10,20,30 --plot run.svg",
 )(identify)
 app.command(cls=_Command, epilog="Example: palpate replay run.jsonl --plot pictures")(replay)
+app.command(cls=_Command, epilog="Example: palpate experiment all --cluster local --out thesis")(experiment)
 app.command(cls=_Command, epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
+app.command(cls=_Command, epilog="Example: palpate tune boot camera telephone --problems 100")(tune)
 
 
 def _print_version(wanted: bool) -> None:

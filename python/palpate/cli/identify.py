@@ -55,7 +55,7 @@ def identify(
     stop: plan_options.Stop = "perfect",
     directions: plan_options.Directions = None,
     time_limit: plan_options.TimeLimit = None,
-    effort: plan_options.Effort = None,
+    effort: identify_options.Effort = 100_000,
     seed: plan_options.Seed = 0,
     log: identify_options.Log = None,
     resume: identify_options.Resume = False,

@@ -136,6 +136,14 @@ MaxTouches = Annotated[
     int,
     typer.Option(parser=options.whole(1, 10**6), metavar="N", help="Make at most so many guarded moves."),
 ]
+Effort = Annotated[
+    int,
+    typer.Option(
+        parser=options.whole(1, 10**15),
+        metavar="N",
+        help="A limit on each search for a path that gives the same answer everywhere.",
+    ),
+]
 Until = Annotated[
     str | None,
     typer.Option(

@@ -22,11 +22,12 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from palpate import Contact, Model, Prior, __version__, load_models, recognize
+from palpate import Contact, Model, Prior, load_models, recognize
 
+from . import campaign
+from .campaign import Row
 from .pages import machine, table
 from .problems import matrix
-from .resumable import Result, Work, results_of
 from .shapes import Array, Shape, point_distances, signed_distances
 
 OBJECTS = ("robot-hand", "human-hand", "telephone", "boot", "camera", "beer-bottle")
@@ -93,36 +94,27 @@ def _normal_at(shape: Shape, center: Array, radius: float) -> Array:
     return offset / np.linalg.norm(offset) if radius > 0.0 else shape.normals[face]
 
 
-@dataclass(frozen=True)
-class Trials:
-    """So many problems for each object and setting."""
+def task(number: int, *, trials: int) -> Row:
+    """One object in one setting."""
+    setting, true = SETTINGS[number // len(OBJECTS)], number % len(OBJECTS)
+    answers, seconds = zip(*(answer(setting, true, trial=trial) for trial in range(trials)), strict=True)
+    return {"answers": answers, "seconds": seconds}
 
-    trials: int
 
-    def __call__(self, chunk: int) -> Result:
-        """One object in one setting."""
-        setting, true = SETTINGS[chunk // len(OBJECTS)], chunk % len(OBJECTS)
-        return {"answers": [self.answer(setting, true, trial=trial) for trial in range(self.trials)]}
-
-    def answer(self, setting: Setting, true: int, *, trial: int) -> dict[str, Any]:
-        """Put one problem to the recognizer."""
-        random = Random(f"{setting} {OBJECTS[true]} {trial}")
-        shape = Shape.of(objects()[true])
-        truth = matrix(random.uniform(-math.pi, math.pi), *(random.uniform(-300, 300) for _ in "xy"))
-        contacts = [
-            trigger_contact(random, shape, truth, radius=setting.tip_radius) for _ in range(setting.contacts)
-        ]
-        prior = _prior_around(random, truth) if setting.prior else None
-        started = time.perf_counter()
-        found = recognize(objects(), contacts, prior=prior)
-        seconds = time.perf_counter() - started
-        held = [one.model_number == true and one.poses.contains(truth) for one in found.hypotheses]
-        return {
-            "found": any(held),
-            "hypotheses": len(found.hypotheses),
-            "complete": found.complete,
-            "seconds": seconds,
-        }
+def answer(setting: Setting, true: int, *, trial: int) -> tuple[Row, float]:
+    """Put one problem to the recognizer: what it answers, and how long it takes."""
+    random = Random(f"{setting} {OBJECTS[true]} {trial}")
+    shape = Shape.of(objects()[true])
+    truth = matrix(random.uniform(-math.pi, math.pi), *(random.uniform(-300, 300) for _ in "xy"))
+    contacts = [
+        trigger_contact(random, shape, truth, radius=setting.tip_radius) for _ in range(setting.contacts)
+    ]
+    prior = _prior_around(random, truth) if setting.prior else None
+    started = time.perf_counter()
+    found = recognize(objects(), contacts, prior=prior)
+    seconds = time.perf_counter() - started
+    held = [one.model_number == true and one.poses.contains(truth) for one in found.hypotheses]
+    return {"found": any(held), "hypotheses": len(found.hypotheses), "complete": found.complete}, seconds
 
 
 def _prior_around(random: Random, truth: Array) -> Prior:
@@ -132,10 +124,11 @@ def _prior_around(random: Random, truth: Array) -> Prior:
     return Prior(matrix(angle, x, y), translation=PRIOR_TRANSLATION, rotation=PRIOR_ROTATION)
 
 
-def row_of(setting: Setting, answers: list[dict[str, Any]]) -> dict[str, Any]:
+def row_of(setting: Setting, rows: list[Row]) -> Row:
     """A row of the table. Lost: a complete answer without the truth."""
+    answers = [one for row in rows for one in row["answers"]]
     hypotheses = np.array([one["hypotheses"] for one in answers])
-    seconds = np.array([one["seconds"] for one in answers])
+    seconds = np.array([one for row in rows for one in row["seconds"]])
     complete = np.array([one["complete"] for one in answers])
     found = np.array([one["found"] for one in answers])
     return {
@@ -197,23 +190,21 @@ def main(arguments: list[str] | None = None) -> int:
     """The command line; 0 if no truth was lost."""
     parser = argparse.ArgumentParser(prog="no_normals", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--trials", type=int, default=20, help="problems for each object and row (20)")
-    parser.add_argument("--workers", type=int, default=1, help="processes (1, for the times' sake)")
+    parser.add_argument("--cluster", help=campaign.CLUSTER_HELP)
     parser.add_argument("--out", type=Path, default=Path("out/no-normals"), help="folder of the results")
     page = Path("docs/tables/no-normals.md")
     parser.add_argument("--table", type=Path, default=page, help=f"the page ({page})")
     options = parser.parse_args(arguments)
-    if options.trials < 1 or options.workers < 1:
-        parser.error("--trials and --workers must be 1 or more")
-    header = {"work": "no-normals", "version": __version__, "trials": options.trials}
-    work = Work("no-normals", Trials(options.trials), len(SETTINGS) * len(OBJECTS), header)
+    if options.trials < 1:
+        parser.error("--trials must be 1 or more")
+    numbers, file = range(len(SETTINGS) * len(OBJECTS)), options.out / "rows.jsonl"
+    settings = {"trials": options.trials}
     try:
-        results = results_of(work, options.out, workers=options.workers)
-    except ValueError as error:
+        done = campaign.run("no-normals", settings, numbers, task, file, cluster=options.cluster)
+    except (ValueError, ConnectionError) as error:
         parser.error(str(error))
-    per_row = [results[len(OBJECTS) * k : len(OBJECTS) * (k + 1)] for k in range(len(SETTINGS))]
     rows = [
-        row_of(setting, [answer for one in of_row for answer in one["answers"]])
-        for setting, of_row in zip(SETTINGS, per_row, strict=True)
+        row_of(setting, done[len(OBJECTS) * k : len(OBJECTS) * (k + 1)]) for k, setting in enumerate(SETTINGS)
     ]
     _write(rows, options.table)
     return 1 if any(row["truth_lost"] for row in rows) else 0
@@ -233,7 +224,7 @@ def _write(rows: list[dict[str, Any]], path: Path) -> None:
 
 
 if __name__ == "__main__":
-    # Under its own name, so that other processes find its classes.
+    # Under its own name, so that other processes find its functions.
     from palpate.experiments import no_normals
 
     sys.exit(no_normals.main())

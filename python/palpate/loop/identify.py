@@ -33,7 +33,7 @@ def identify(  # noqa: PLR0917 - the four that every call has
     stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
     directions: tuple[ArrayLike, float] | None = None,
     margin: float = 1e-3,
-    effort: int | None = None,
+    effort: int = 100_000,
     time_limit: float | None = None,
     features: Sequence[str] | None = None,
     max_touches: int = 200,
@@ -71,7 +71,7 @@ def identify(  # noqa: PLR0917 - the four that every call has
         stop: As for `plan`.
         directions: As for `plan`; it holds for scans too.
         margin: As for `plan`.
-        effort: As for `plan`, for each path.
+        effort: As for `plan`, for each path. A promising path that a quick look finds is taken at once.
         time_limit: Seconds, for each path.
         features: As for `plan` and `recognize`.
         max_touches: So many guarded moves are made at most.

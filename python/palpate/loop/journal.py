@@ -59,7 +59,9 @@ class Journal:
             )
 
     def peek(self, kind: str) -> Event | None:
-        """The next known event, if it is of this kind."""
+        """The next known event, if it is of this kind; asked before work that its answer saves."""
+        if self.live and self._ends:
+            raise Interrupted
         return self._known[0] if self._known and self._known[0]["event"] == kind else None
 
     def answer(self, question: Callable[[], Event]) -> Event:

@@ -15,19 +15,17 @@ from palpate._core import (
     Path,
     Recognition,
     judge,
-    plan_report,
     recognize,
     verification_path,
 )
 from palpate.loop.acquire import FINER, Scans, enough, smallest_width
 from palpate.loop.entries import planned_event, recognized_event
 from palpate.loop.journal import Interrupted, Journal
+from palpate.loop.planning import is_promising, next_path
 from palpate.loop.result import Array, Purpose, Result, Status, Step
 from palpate.loop.settings import Settings
 from palpate.loop.tour import Tour
 from palpate.probe import AlreadyTouching, Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
-
-HARDLY = 0.05  # so many hypotheses less, in the mean, are hardly worth a touch
 
 
 class _Ended(Exception):
@@ -188,28 +186,27 @@ class Run:
             if cut_short:
                 raise _Ended("budget", "planning was cut short before it found a path that can be used")
             raise _Ended("no_usable_path", "no path that can be used was found", proved=proved)
-        if not path.guaranteed and path.expected_score >= len(hypotheses) - HARDLY:
+        if not is_promising(path, len(hypotheses)):
             if cut_short:
                 raise _Ended("budget", "planning was cut short before it found a path that tells anything")
             raise _Ended(
                 "inseparable", "no path is certain or expected to tell those left apart", proved=proved
             )
-        self._touch(path.start, path.end, purpose="path", path=path)
+        reply = self._touch(path.start, path.end, purpose="path", path=path)
+        if isinstance(reply, Skid):
+            # Unexpected data (3.4): on a path that can be used, none of them can be touched first beyond the
+            # largest reliable incidence. The free part of the way alone may leave them.
+            self._recognize()
+            raise _Ended(
+                "unexplained", "the tip skidded where no hypothesis left can be touched so obliquely"
+            )
 
     def _plan(self, hypotheses: list[Hypothesis]) -> tuple[Path | None, str, bool]:
         """The path, why it is that one, and whether it is proved best; that of the log, if it has one."""
         settings = self._settings
         known = self._journal.peek("planned")
         if known is None:
-            tried = [(step.start, step.end - step.start) for step in self._steps]
-            report = plan_report(
-                hypotheses,
-                settings.sensor,
-                tried=tried,
-                **settings.placed,
-                **settings.judged,
-                **settings.searched,
-            )
+            report = next_path(hypotheses, settings, self._steps)
             self._journal.record(planned_event(report))
             return report.path, report.why, report.proved
         self._journal.record(known)
@@ -228,7 +225,7 @@ class Run:
         if failed is not None:
             raise _Ended("fault", _reason(failed))
         reply = self._tour.touch(start, end, purpose)
-        self._take(reply)
+        self._take(reply, start, end)
         self._steps.append(Step(purpose, start, end, route, reply, path))
         if isinstance(reply, AlreadyTouching | UnexpectedTouch | Fault):
             raise _Ended("fault", _reason(reply))
@@ -240,7 +237,7 @@ class Run:
             self._num_told = len(self._steps)
             self._told(self._steps[-1])
 
-    def _take(self, reply: Reply) -> None:
+    def _take(self, reply: Reply, start: Array, end: Array) -> None:
         """As evidence. An unexpected touch is none: the bounds of readings don't hold for free moves."""
         if isinstance(reply, Miss):
             self._misses.append(reply)
@@ -248,6 +245,15 @@ class Run:
             self._misses.append(reply.free)
         elif isinstance(reply, Hit):
             self._contacts.append(reply.contact)
+            if reply.contact.start is None:
+                self._misses.append(self._way_before(reply.contact, start, end))
+
+    def _way_before(self, contact: Contact, start: Array, end: Array) -> Miss:
+        """The free way before a contact that says nothing of it, to within the path error."""
+        direction = (end - start) / np.hypot(*(end - start))
+        free = max(0.0, float(direction @ (contact.center - start)) - contact.position_error)
+        path_error = self._settings.sensor.path_error
+        return Miss(start, start + free * direction, tip_radius=contact.tip_radius, path_error=path_error)
 
 
 def _is_tight(last: Hypothesis, until: tuple[float, float]) -> bool:

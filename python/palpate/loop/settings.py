@@ -31,7 +31,7 @@ class Settings:
     stop: Any
     directions: tuple[list[float], float] | None
     margin: float
-    effort: int | None
+    effort: int
     time_limit: float | None
     features: list[str] | None
     max_touches: int
@@ -52,13 +52,8 @@ class Settings:
 
     @property
     def searched(self) -> dict[str, Any]:
-        """How a planner searches."""
-        return {
-            "planner": self.planner,
-            "stop": self.stop,
-            "effort": self.effort,
-            "time_limit": self.time_limit,
-        }
+        """How a planner searches, but for how long."""
+        return {"planner": self.planner, "stop": self.stop, "time_limit": self.time_limit}
 
     @property
     def border(self) -> list[Miss]:
@@ -86,7 +81,7 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
     given["contacts"] = _all_of("contacts", given["contacts"], Contact)
     given["misses"] = _all_of("misses", given["misses"], Miss)
     for name in ("max_touches", "max_hypotheses", "blind", "effort"):
-        if given[name] is not None:
+        if name != "blind" or given[name] is not None:
             _check_whole(name, given[name], 1)
     _check_whole("seed", given["seed"], 0)
     if isinstance(given["stop"], list):

@@ -134,10 +134,20 @@ def plot_pose_range(
     return figure
 
 
-def plot_models(models: Sequence[Model], *, unit: str = "mm") -> Figure:
-    """Each model in its frame: faces and their numbers, outward normals, vertices; what can't be touched."""
+def plot_models(
+    models: Sequence[Model], *, contacts: Sequence[Sequence[Contact]] | None = None, unit: str = "mm"
+) -> Figure:
+    """Each model in its frame: faces and their numbers, outward normals, vertices; what can't be touched.
+
+    `contacts`, a list for each model in its frame, are drawn in place of normals and numbers (figure 4.1).
+    """
     if not models:
         raise ValueError("models: nothing to draw (got none); give at least one model")
+    if contacts is not None and len(contacts) != len(models):
+        raise ValueError(
+            f"contacts: must have a list for each of {len(models)} models (got {len(contacts)}); "
+            "give empty ones too"
+        )
     num_columns = math.ceil(math.sqrt(len(models)))
     num_rows = math.ceil(len(models) / num_columns)
     with mpl.rc_context(RC):
@@ -149,8 +159,13 @@ def plot_models(models: Sequence[Model], *, unit: str = "mm") -> Figure:
         for index, model in enumerate(models):
             axes = figure.add_subplot(num_rows, num_columns, index + 1)
             low, high = frames[index]
-            share = model.size / float((high - low).max())
-            _draw_labelled(axes, model, color=part_style(index)[0], most=math.ceil(share * MOST_NUMBERED))
+            if contacts is None:
+                share = model.size / float((high - low).max())
+                _draw_labelled(axes, model, color=part_style(index)[0], most=math.ceil(share * MOST_NUMBERED))
+            else:
+                _draw_touched(
+                    axes, model, contacts[index], color=part_style(index)[0], spike=0.1 * (high - low).max()
+                )
             set_frame(axes, *frames[index], unit=unit)
     return figure
 
@@ -189,6 +204,13 @@ def _draw_labelled(axes: Axes, model: Model, *, color: str, most: int) -> None:
     also = f", {turns} symmetries" if turns > 1 else ""
     thin = f", every {step}{'nd' if step == 2 else 'th'} numbered" if step > 1 else ""
     axes.set_title(f"{model.name}: {len(model.faces)} faces{also}{thin}")
+
+
+def _draw_touched(axes: Axes, model: Model, contacts: Sequence[Contact], *, color: str, spike: float) -> None:
+    draw_model(axes, model, np.eye(3), color=color, fill=0.12, width=1.5)
+    for number, contact in enumerate(contacts, start=1):
+        draw_contact(axes, contact, number=number, spike=spike)
+    axes.set_title(f"{model.name}: {len(model.faces)} faces")
 
 
 def _face_number_places(model: Model, numbered: Sequence[int], *, tick: float) -> list[Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
 import warnings
@@ -82,20 +83,30 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     """
     path = Path(path)
     check_picture_path(path)
-    metadata = {"CreationDate": None} if path.suffix.lower() == ".pdf" else {"Date": None}
-    kept = {} if path.suffix.lower() == ".png" else {"metadata": metadata}
     # Whole or not at all: an interrupted run leaves no half of a picture.
     partial = path.with_name(f".{path.name}.{os.getpid()}{path.suffix}")
     try:
-        with mpl.rc_context(RC), warnings.catch_warnings():
-            # A name in letters that the font lacks is drawn as boxes; that needs no lines on stderr.
-            warnings.filterwarnings("ignore", message="Glyph .* missing from")
-            figure.savefig(partial, format=path.suffix.lower()[1:], **kept)
+        _write(figure, partial, path.suffix.lower()[1:])
         partial.replace(path)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
         partial.unlink(missing_ok=True)
+
+
+def svg_of(figure: Figure) -> bytes:
+    """`figure` as an SVG file holds it."""
+    drawn = io.BytesIO()
+    _write(figure, drawn, "svg")
+    return drawn.getvalue()
+
+
+def _write(figure: Figure, file: Path | io.BytesIO, kind: str) -> None:
+    metadata = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
+    with mpl.rc_context(RC), warnings.catch_warnings():
+        # A name in letters that the font lacks is drawn as boxes; that needs no lines on stderr.
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        figure.savefig(file, format=kind, metadata=metadata)
 
 
 def check_picture_path(path: str | Path) -> None:

@@ -1,0 +1,104 @@
+"""Other ways to choose the next touch, on the problems of the closed loop: chance, and information gain.
+
+Both begin with the evidence with which the loop planned its first path, touch with the same probe, and
+recognize anew after each touch as the loop does. Only the choice of the line is theirs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from palpate import Contact, Hit, Hypothesis, Lines, Miss, Path, Result, Skid, recognize
+from palpate.experiments.shapes import Array
+
+if TYPE_CHECKING:
+    from palpate.experiments.closed_loop import Problem
+
+NUM_LINES = 500  # random lines among which the most telling one is chosen
+MOST_TOUCHES = 200  # as many as the loop's own limit
+HARDLY = 0.05  # as the loop has it: so many hypotheses less, in the mean, are hardly worth a touch
+
+Line = tuple[Array, Array]
+Chosen = Callable[["Problem", list[Hypothesis], np.random.Generator], Line | None]
+
+
+def touches(name: str, problem: Problem, result: Result, *, number: int) -> dict[str, Any]:
+    """How many guarded moves a rival makes where the loop came to `result`, first contacts included."""
+    contacts, misses, moves = _before_planning(result)
+    if moves == result.touches:
+        return {"touches": moves, "status": result.status}
+    random = np.random.default_rng([number, 2])
+    while True:
+        found = recognize(problem.models, contacts, misses=misses)
+        if len(found.hypotheses) < 2:
+            return {"touches": moves, "status": "solved" if found.hypotheses else "unexplained"}
+        line = None if moves >= MOST_TOUCHES else RIVALS[name](problem, found.hypotheses, random)
+        if line is None:
+            return {"touches": moves, "status": "budget" if moves >= MOST_TOUCHES else "inseparable"}
+        reply = problem.probe.touch(*line)
+        moves += 1
+        if isinstance(reply, Hit):
+            contacts.append(reply.contact)
+        elif isinstance(reply, Miss | Skid):
+            misses.append(reply.free if isinstance(reply, Skid) else reply)
+
+
+def _before_planning(result: Result) -> tuple[list[Contact], list[Miss], int]:
+    """Evidence before the first planned path, and the guarded moves that it took."""
+    planned = [k for k, step in enumerate(result.steps) if step.path is not None]
+    moves = planned[0] if planned else result.touches
+    later = [step.reply for step in result.steps[moves:]]
+    hits = sum(isinstance(reply, Hit) for reply in later)
+    # A contact that says nothing of its way brings it as a miss.
+    free = sum(not isinstance(reply, Hit) or reply.contact.start is None for reply in later)
+    return (
+        result.contacts[: len(result.contacts) - hits],
+        result.misses[: len(result.misses) - free],
+        moves,
+    )
+
+
+def by_chance(problem: Problem, hypotheses: list[Hypothesis], random: np.random.Generator) -> Line:
+    """A random line through a random place of the workspace, whether it can be used or not."""
+    low, high = problem.workspace
+    place, angle = random.uniform(low, high), random.uniform(-math.pi, math.pi)
+    way = np.array([math.cos(angle), math.sin(angle)])
+    # Where it enters and leaves the rectangle: between the later of the entries and the earlier of the exits.
+    sides = np.stack([(low - place) / way, (high - place) / way])
+    return place + sides.min(axis=0).max() * way, place + sides.max(axis=0).min() * way
+
+
+def by_gain(problem: Problem, hypotheses: list[Hypothesis], random: np.random.Generator) -> Line | None:
+    """Of so many random lines the one with the largest information gain, hypotheses taken as equally likely.
+
+    Where none is certain to tell any apart, that which is expected to leave the fewest; None if none does.
+    """
+    lines = Lines(hypotheses, problem.sensor, workspace=problem.workspace)
+    best: tuple[tuple[float, float], Path] | None = None
+    for _ in range(NUM_LINES):
+        angle, offset = random.uniform(-math.pi, math.pi), lines.radius * random.uniform(-1.0, 1.0)
+        path = lines.judge(angle, offset)
+        if path is None or path.faults or not _tells(path, len(hypotheses)):
+            continue
+        worth = (_gain(path), -path.expected_score)
+        if best is None or worth > best[0]:
+            best = worth, path
+    return None if best is None else (best[1].start, best[1].end)
+
+
+def _tells(path: Path, count: int) -> bool:
+    return path.guaranteed or path.expected_score < count - HARDLY
+
+
+def _gain(path: Path) -> float:
+    """The expected information in nats: the entropy of the classes."""
+    shares = np.array([len(members) for members in path.classes], dtype=float)
+    shares /= shares.sum()
+    return -float(shares @ np.log(shares))
+
+
+RIVALS: dict[str, Chosen] = {"chance": by_chance, "gain": by_gain}

@@ -1,0 +1,57 @@
+"""What `palpate tune` recommends for the bundled sets, for the docs.
+
+python -m palpate.experiments.tune_page docs/closed-loop.md
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any
+
+from palpate import Sensor, load_models, part_names
+from palpate.cli.tune import HEADINGS, advice_lines, cells
+from palpate.experiments import campaign
+from palpate.experiments.pages import rewrite, table
+from palpate.experiments.tune import Costs, document, num_loops, tune
+
+SETS: dict[str, tuple[list[str], float, float]] = {
+    "The six objects (4.2)": (list(part_names())[:6], 0.5, 4.0),
+    "The parts of the drill (4.3)": (list(part_names())[6:], 4.0, 5.0),
+}
+COSTS = Costs(speed=100.0, per_touch=1.0)
+
+
+def section(problems: int) -> str:
+    """A table and the recommendation for each set."""
+    return "\n\n".join(_of(title, problems) for title in SETS)
+
+
+def _of(title: str, problems: int) -> str:
+    names, position_error, normal_error_deg = SETS[title]
+    models = load_models(names)
+    sensor = Sensor(position_error, math.radians(normal_error_deg), math.radians(60.0))
+    with campaign.Bar(None, title, total=num_loops(problems)) as advance:
+        advice = tune(models, sensor, COSTS, problems=problems, advance=advance)
+    made: dict[str, Any] = document(advice, models, sensor, unit="mm", seed=0)
+    flags = (
+        f"--position-error {position_error:g} --normal-error-deg {normal_error_deg:g} --problems {problems}"
+    )
+    command = f"    palpate tune {' '.join(names)} {flags}"
+    rows = table(HEADINGS, [cells(one, made["loops"]) for one in made["tried"]])
+    said = "\n".join(f"> {line}  " for line in advice_lines(made, unit="mm"))
+    return f"**{title}.**\n\n{command}\n\n{rows}\n\n{said}"
+
+
+def main() -> None:
+    """Write the part anew."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("page", type=Path)
+    parser.add_argument("--problems", type=int, default=30)
+    options = parser.parse_args()
+    rewrite(options.page, "tune", section(options.problems))
+
+
+if __name__ == "__main__":
+    main()
