@@ -82,7 +82,7 @@ def test_errors_are_within_their_bounds_and_reach_them(radius, noise):
     placed = Placed(model, world_from_model, radius)
     probe = palpate.SimulatedProbe(model, world_from_model, sensor, seed=5, noise=noise)
     errors, turns, kinds = [], [], set()
-    for start, direction in lines(model, world_from_model, 200, seed=3):
+    for start, direction in lines(model, world_from_model, 120, seed=3):
         end = start + 2.5 * model.size * direction
         reply = probe.touch(start, end)
         kinds.add(type(reply).__name__)

@@ -15,8 +15,8 @@ QUICK = 2_000  # boxes of lines; more may take minutes, in which a promising tou
 def next_path(hypotheses: list[Hypothesis], settings: Settings, steps: Sequence[Step]) -> PlanReport:
     """The best path by a quick look; if that is not promising, by as long a one as the settings allow.
 
-    A search of all lines begins where no sampled line is certain to tell. It may be long, and is needless where
-    an untried path is expected to tell: the next look is after its touch.
+    A search of all lines begins where no sampled line is certain to tell. It may be long, and is needless
+    where an untried path is expected to tell: the next look is after its touch.
     """
     tried = [(step.start, step.end - step.start) for step in steps]
 

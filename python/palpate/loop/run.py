@@ -218,7 +218,7 @@ class Run:
         if failed is not None:
             raise _Ended("fault", _reason(failed))
         reply = self._tour.touch(start, end, purpose)
-        self._take(reply)
+        self._take(reply, start, end)
         self._steps.append(Step(purpose, start, end, route, reply, path))
         if isinstance(reply, AlreadyTouching | UnexpectedTouch | Fault):
             raise _Ended("fault", _reason(reply))
@@ -230,7 +230,7 @@ class Run:
             self._num_told = len(self._steps)
             self._told(self._steps[-1])
 
-    def _take(self, reply: Reply) -> None:
+    def _take(self, reply: Reply, start: Array, end: Array) -> None:
         """As evidence. An unexpected touch is none: the bounds of readings don't hold for free moves."""
         if isinstance(reply, Miss):
             self._misses.append(reply)
@@ -238,6 +238,15 @@ class Run:
             self._misses.append(reply.free)
         elif isinstance(reply, Hit):
             self._contacts.append(reply.contact)
+            if reply.contact.start is None:
+                self._misses.append(self._way_before(reply.contact, start, end))
+
+    def _way_before(self, contact: Contact, start: Array, end: Array) -> Miss:
+        """The free way before a contact that says nothing of it, to within the path error."""
+        direction = (end - start) / np.hypot(*(end - start))
+        free = max(0.0, float(direction @ (contact.center - start)) - contact.position_error)
+        path_error = self._settings.sensor.path_error
+        return Miss(start, start + free * direction, tip_radius=contact.tip_radius, path_error=path_error)
 
 
 def _is_tight(last: Hypothesis, until: tuple[float, float]) -> bool:
