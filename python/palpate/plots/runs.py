@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import matplotlib as mpl
@@ -206,5 +207,5 @@ def _add_legend(figure: Figure, drawn: Sequence[Hypothesis], *, names: Sequence[
         handles.append(Line2D([], [], color=color, ls=dash, lw=2.0, label=label))
     handles.append(Line2D([], [], color=SENSED, ls=(0, (5, 3)), lw=1.0, label="planned"))
     handles.append(Line2D([], [], color=SENSED, lw=1.6, label="travelled"))
-    wide = figure.get_figwidth() > 8.0
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(8 if wide else 4, len(handles)))
+    rows = math.ceil(len(handles) / (8 if figure.get_figwidth() > 8.0 else 4))
+    figure.legend(handles=handles, loc="outside lower center", ncols=math.ceil(len(handles) / rows))
