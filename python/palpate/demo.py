@@ -98,14 +98,21 @@ def deviation(found: Hypothesis, world_from_truth: Array) -> tuple[float, float]
     Returns:
         Length: the largest way of a corner. Radians: the turn.
     """
-    corners = np.column_stack([found.model.vertices, np.ones(len(found.model.vertices))])
-    best = (math.inf, math.inf)
-    for symmetry in np.asarray(found.model.symmetries):
-        other = world_from_truth @ symmetry
-        way = float(np.hypot(*(corners @ (found.world_from_model - other).T)[:, :2].T).max())
-        turned = found.world_from_model[:2, :2].T @ other[:2, :2]
-        best = min(best, (way, abs(math.atan2(turned[1, 0], turned[0, 0]))))
-    return best
+    pose = found.world_from_model
+    other = nearest(found, world_from_truth)
+    turned = pose[:2, :2].T @ other[:2, :2]
+    return _way(found.model, pose, other), abs(math.atan2(turned[1, 0], turned[0, 0]))
+
+
+def nearest(found: Hypothesis, world_from_truth: Array) -> Array:
+    """That of the poses at which the model lies as at `world_from_truth` that moves its corners least."""
+    poses = [world_from_truth @ symmetry for symmetry in np.asarray(found.model.symmetries)]
+    return min(poses, key=lambda pose: _way(found.model, found.world_from_model, pose))
+
+
+def _way(model: Model, one: Array, other: Array) -> float:
+    corners = np.column_stack([model.vertices, np.ones(len(model.vertices))])
+    return float(np.hypot(*(corners @ (one - other).T)[:, :2].T).max())
 
 
 def _hidden(model: Model, random: np.random.Generator) -> Array:

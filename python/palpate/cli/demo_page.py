@@ -7,10 +7,10 @@ import re
 from pathlib import Path
 
 from palpate import Hypothesis
-from palpate.cli.demo_words import Teller, answer_words, task_words, truth_words
+from palpate.cli.demo_words import Teller, Told, answer_words, task_words, truth_words
 from palpate.cli.documents import excursion_bound, planar
 from palpate.cli.run_report import draw_run
-from palpate.demo import UNIT, Demonstration, deviation
+from palpate.demo import UNIT, Demonstration, deviation, nearest
 from palpate.plots.style import at_most
 from palpate.report import Page, plain
 
@@ -79,24 +79,15 @@ def _beside_truth(page: Page, shown: Demonstration, found: Hypothesis) -> None:
     from palpate.plots import plot_pose_range
 
     way, turn = deviation(found, shown.world_from_truth)
-    rows: list[tuple[object, ...]] = [
-        (
-            name,
-            *(f"{planar(pose)[k]:.2f}" for pose in (found.world_from_model, shown.world_from_truth)),
-            "",
-            "",
-        )
-        for k, name in enumerate((f"x ({UNIT})", f"y ({UNIT})", "angle (°)"))
-    ]
-    rows += [
-        (f"largest way of a corner ({UNIT})", "", "", f"{way:.2f}", at_most(excursion_bound(found))),
-        (
-            "turn (°)",
-            "",
-            "",
-            f"{math.degrees(turn):.2f}",
-            at_most(math.degrees(found.poses.rotation_bound)),
-        ),
+    bound, angle_bound = excursion_bound(found), math.degrees(found.poses.rotation_bound)
+    poses = planar(found.world_from_model), planar(nearest(found, shown.world_from_truth))
+    x, y, angle = ([f"{pose[k]:.2f}" for pose in poses] for k in range(3))
+    off_x, off_y = (f"{abs(poses[0][k] - poses[1][k]):.2f}" for k in range(2))
+    rows = [
+        (f"x ({UNIT})", *x, off_x, ""),
+        (f"y ({UNIT})", *y, off_y, ""),
+        ("angle (°)", *angle, f"{math.degrees(turn):.2f}", at_most(angle_bound)),
+        (f"corner that is most off ({UNIT})", "", "", f"{way:.2f}", at_most(bound)),
     ]
     page.table(
         ["", "found", "hidden truth", "off by", "proved bound"],
@@ -116,13 +107,15 @@ def _beside_truth(page: Page, shown: Demonstration, found: Hypothesis) -> None:
 def _steps(page: Page, shown: Demonstration, pictures: list[Path]) -> None:
     page.heading("Step by step")
     teller = Teller()
-    for number, step in enumerate(shown.result.steps, start=1):
-        told = teller.tell(step)
-        page.heading(f"{number}. {told.what}", level=3)
-        page.text(f"{plain(told.why)} {plain(told.met)}")
-        page.picture(pictures[number - 1], alt=f"{told.why} {told.met}")
-        if told.left:
-            page.text(f"**{plain(told.left)}**")
+    page.gallery(
+        (picture, _caption(number, teller.tell(step)))
+        for number, (step, picture) in enumerate(zip(shown.result.steps, pictures[:-1], strict=True), start=1)
+    )
+
+
+def _caption(number: int, told: Told) -> str:
+    left = f" **{plain(told.left)}**" if told.left else ""
+    return f"**{number}. {plain(told.what)}.** {plain(told.why)} {plain(told.met)}{left}"
 
 
 def _again(page: Page, shown: Demonstration, folder: Path) -> None:
