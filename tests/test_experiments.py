@@ -12,7 +12,7 @@ from test_cli import validate
 
 import palpate
 from palpate.cli import main
-from palpate.experiments import drill, object_pairs, printed, random_data, standard_points
+from palpate.experiments import drill, object_pairs, printed, random_data, standard_points, thesis
 from palpate.experiments.campaign import run, without_times
 from palpate.experiments.conduct import conduct
 from palpate.experiments.experiment import SEEDS
@@ -159,6 +159,29 @@ def test_figures_say_what_the_thesis_s_do_and_are_the_same_every_time(everything
     assert facts["4.14"]["hypotheses"] == facts["4.16"]["hypotheses"] == 1
     again = EXPERIMENTS["figures"].task(8)
     assert again["svg"] == rows[8]["svg"]
+
+
+def test_the_page_of_the_documentation_gets_the_tables(everything, tmp_path):
+    (tmp_path / "pictures").mkdir()
+    page = tmp_path / "experiments.md"
+    page.write_text((Path(__file__).parent.parent / "docs" / "experiments.md").read_text())
+    thesis.write(everything, page)
+    text = page.read_text()
+    for name, one in EXPERIMENTS.items():
+        if one.of_thesis:
+            rows = [json.loads(line) for line in (everything / f"{name}.jsonl").read_text().splitlines()][1:]
+            assert one.table(rows) in text
+    assert sorted(path.stem for path in (tmp_path / "pictures").iterdir()) == sorted(thesis.SHOWN)
+    assert set(re.findall(r"pictures/(.+)\.svg", text)) == set(thesis.SHOWN)
+
+
+def test_models_are_drawn_with_their_contacts():
+    models = palpate.load_models(["boot", "camera"])
+    contacts = [palpate.standard_contacts(model.name) for model in models]
+    figure = palpate.plots.plot_models(models, contacts=contacts)
+    assert [[text.get_text() for text in axes.texts] for axes in figure.axes] == [["1", "2"], ["1", "2"]]
+    with pytest.raises(ValueError, match="contacts: must have a list for each of 2 models"):
+        palpate.plots.plot_models(models, contacts=contacts[:1])
 
 
 def test_json(tmp_path, capsys):
