@@ -21,7 +21,7 @@ help: ## list the targets
 
 setup: .venv/.built ## make .venv, build palpate and install it there
 
-demo: .venv/.built ## recognize a bundled part from contacts, and draw it
+demo: .venv/.built ## hide a bundled part, find it by touch; leaves pictures and a page in palpate-demo/
 	$(BIN)/palpate demo $(ARGS)
 
 test: test-rust test-python ## all tests

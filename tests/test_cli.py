@@ -19,8 +19,6 @@ from palpate import Contact, Prior
 from palpate.cli import main
 from palpate.cli.parts import with_flags
 from palpate.contacts import write_contacts
-from palpate.demo import demonstrate
-from palpate.parts import part_names
 
 PALPATE = [sys.executable, "-m", "palpate.cli"]
 
@@ -242,33 +240,6 @@ def test_models_as_json(folder, capsys):
     assert [len(model["faces"]) for model in document["models"]] == [6, 13]
 
 
-def test_demo(folder, capsys):
-    out = run(capsys, "demo", "--seed", "3")
-    assert "The true part and pose are in hypothesis " in out
-    assert out.endswith("picture: palpate-demo.svg\n")
-    assert "</svg>" in Path("palpate-demo.svg").read_text()
-
-
-@pytest.mark.parametrize("flag", ["--plot", "--out"])
-def test_demo_as_json(folder, capsys, flag):
-    document = json.loads(run(capsys, "demo", "--part", "boot", flag, "boot.png", "--json"))
-    validate(document, "demo-1")
-    assert document["truth"]["model"] == "boot"
-    assert Path("boot.png").is_file()
-
-
-@pytest.mark.parametrize("part", part_names())
-def test_the_demo_finds_the_truth(part):
-    for seed in range(3):
-        shown = demonstrate(part, seed=seed)
-        assert shown.truth_number is not None
-
-
-def test_the_same_seed_gives_the_same_demo(folder, capsys):
-    first, again, other = (run(capsys, "demo", "--json", "--seed", seed) for seed in (1, 1, 2))
-    assert first == again != other
-
-
 @pytest.mark.parametrize("command", ["demo", "recognize", "models"])
 def test_every_command_has_an_example(capsys, command):
     assert f"Example: palpate {command}" in run(capsys, command, "--help")
@@ -418,13 +389,13 @@ def test_any_name_is_drawn_and_printed_as_it_is(folder, capsys, name):
 
 
 @pytest.mark.parametrize("extra", [(), ("--json",)])
-@pytest.mark.parametrize("command", ["recognize", "models", "demo"])
+@pytest.mark.parametrize("command", ["recognize", "models"])
 def test_a_picture_that_fails_leaves_the_answer(folder, capsys, *, monkeypatch, command, extra):
     def fail(figure, path):
         raise OSError(28, "No space left on device", str(path))
 
     monkeypatch.setattr("palpate.plots.save_figure", fail)
-    arguments = {"recognize": ["bracket.json", "--contacts", "touches.csv"], "models": ["boot"], "demo": []}
+    arguments = {"recognize": ["bracket.json", "--contacts", "touches.csv"], "models": ["boot"]}
     status = main([command, *arguments[command], "--plot", "x.svg", *extra])
     out, err = capsys.readouterr()
     assert (status, err) == (2, "palpate: x.svg: No space left on device\n")

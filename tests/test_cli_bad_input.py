@@ -166,7 +166,9 @@ CASES = [
         ["demo", "--seed", "-1"],
         "Invalid value for '--seed': must be a whole number, 0 or more (got -1)",
     ),
-    (["demo", "--out", "demo.txt"], "demo.txt: pictures can't be saved as '.txt'"),
+    (["demo", "--plot", "demo.txt"], "demo.txt: pictures can't be saved as '.txt'"),
+    (["demo", "--out", "square.json"], "--out: 'square.json' is no folder"),
+    (["demo", "--out", "nowhere/demo"], "--out: there is no folder 'nowhere'"),
 ]
 
 

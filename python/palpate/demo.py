@@ -1,99 +1,121 @@
-"""The main job end to end on a bundled part: it lies somewhere, is touched twice, and is recognized."""
+"""The main job on bundled parts: one of them lies hidden somewhere on a table and is found by touch."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate._core import Contact, Model, Recognition, recognize
+from palpate._core import Hypothesis, Model, Sensor
+from palpate.loop import Result, Step, identify
 from palpate.models import load_models
-from palpate.parts import DRILL_PARTS, THESIS_OBJECTS, standard_contacts
+from palpate.parts import part_names
+from palpate.probe import SimulatedProbe
 
-DEFAULT_PART = "telephone"
+Array: TypeAlias = NDArray[np.float64]
 
-_TABLE = 150.0  # mm: the part's own origin lies within this of the table's, in x and y
+# In its run two planned paths leave one of 14 hypotheses, and three more touches tighten its pose.
+DEFAULT_SEED = 5
+
+UNIT = "mm"
+TABLE = 400.0  # the side of the square on which the part lies
+SENSOR = Sensor(0.5, math.radians(4), math.radians(60))
+ENOUGH = (2.5, math.radians(1))  # it goes on touching until the pose is known so well
+
+_ROOM = 5.0  # between the part and the border of the table
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Demonstration:
-    """What lay there, what was touched, what was found; lengths in `unit`."""
+    """What lay there, and the run that found it; lengths in `UNIT`."""
 
-    truth: Model
-    world_from_truth: NDArray[np.float64]
     models: list[Model]
-    contacts: list[Contact]
-    found: Recognition
-    truth_number: int | None
-    """The hypothesis, counted from 1, that holds the true part and pose."""
-    unit: str = "mm"
+    truth: Model
+    world_from_truth: Array
+    result: Result
+    seed: int
+
+    @property
+    def truth_number(self) -> int | None:
+        """The hypothesis, counted from 1, that holds the true part and pose."""
+        for number, one in enumerate(self.result.hypotheses, start=1):
+            if one.model == self.truth and one.poses.contains(self.world_from_truth):
+                return number
+        return None
 
 
-def demonstrate(part: str = DEFAULT_PART, *, seed: int = 0) -> Demonstration:
-    """Lay `part` at a random pose, touch it where its bundled contacts are, recognize it among its kind.
+def demonstrate(
+    part: str | None = None,
+    *,
+    seed: int = DEFAULT_SEED,
+    log: Path | None = None,
+    told: Callable[[Step], None] | None = None,
+) -> Demonstration:
+    """Hide a bundled part at a random pose, and find it by touch among all of them.
 
     Args:
-        part: Name of a bundled part.
-        seed: Chooses the pose, and the errors of the contacts within their bounds.
+        part: Name of a bundled part; None: one at random.
+        seed: Chooses the part, its pose and the errors of the readings.
+        log: As for `identify`.
+        told: As for `identify`.
+
+    Raises:
+        ValueError: No such part, a negative seed, a log that is there already.
     """
-    kind = next((names for names in (THESIS_OBJECTS, DRILL_PARTS) if part in names), None)
-    if kind is None:
-        known = ", ".join(THESIS_OBJECTS + DRILL_PARTS)
-        raise ValueError(f"part: no such bundled part (got {part!r}); give one of {known}")
+    check_choice(part, seed)
+    names = part_names()
+    models = load_models(names)
+    drawn = int(np.random.default_rng([seed, 0]).integers(len(names)))
+    truth = models[drawn if part is None else names.index(part)]
+    world_from_truth = _hidden(truth, np.random.default_rng([seed, 1]))
+    probe = SimulatedProbe(truth, world_from_truth, SENSOR, seed=seed)
+    result = identify(models, probe, SENSOR, table(), until=ENOUGH, unit=UNIT, log=log, told=told)
+    return Demonstration(models, truth, world_from_truth, result, seed)
+
+
+def check_choice(part: str | None, seed: int) -> None:
+    """Refuse what `demonstrate` would refuse, before anything is made ready for it."""
+    names = part_names()
+    if part is not None and part not in names:
+        raise ValueError(f"part: no such bundled part (got {part!r}); give one of {', '.join(names)}")
     if seed < 0:
         raise ValueError(f"seed: must be zero or more (got {seed}); give another one")
-    models = load_models(kind)
-    truth = models[kind.index(part)]
-    random = np.random.default_rng(seed)
-    world_from_truth = _random_pose(random)
-    contacts = [_sensed(contact, world_from_truth, random) for contact in standard_contacts(part)]
-    found = recognize(models, contacts)
-    return Demonstration(
-        truth, world_from_truth, models, contacts, found, _number_of(found, truth, world_from_truth)
-    )
 
 
-def _random_pose(random: np.random.Generator) -> NDArray[np.float64]:
+def table() -> Array:
+    """Two opposite corners of it, shape `(2, 2)`, world frame."""
+    return np.array([[-TABLE / 2, -TABLE / 2], [TABLE / 2, TABLE / 2]])
+
+
+def deviation(found: Hypothesis, world_from_truth: Array) -> tuple[float, float]:
+    """How far the pose of a hypothesis lies from another of its model, up to symmetry.
+
+    Returns:
+        Length: the largest way of a corner. Radians: the turn.
+    """
+    corners = np.column_stack([found.model.vertices, np.ones(len(found.model.vertices))])
+    best = (math.inf, math.inf)
+    for symmetry in np.asarray(found.model.symmetries):
+        other = world_from_truth @ symmetry
+        way = float(np.hypot(*(corners @ (found.world_from_model - other).T)[:, :2].T).max())
+        turned = found.world_from_model[:2, :2].T @ other[:2, :2]
+        best = min(best, (way, abs(math.atan2(turned[1, 0], turned[0, 0]))))
+    return best
+
+
+def _hidden(model: Model, random: np.random.Generator) -> Array:
+    """A pose anywhere on the table, uniform in its turn and then in its place."""
     angle = random.uniform(-math.pi, math.pi)
-    x, y = random.uniform(-_TABLE, _TABLE, size=2)
     cosine, sine = math.cos(angle), math.sin(angle)
-    return np.array([[cosine, -sine, x], [sine, cosine, y], [0.0, 0.0, 1.0]])
-
-
-def _sensed(
-    contact_model: Contact, world_from_model: NDArray[np.float64], random: np.random.Generator
-) -> Contact:
-    """The contact as a sensor would report it from the part at its pose: errors within the bounds."""
-    rotation = world_from_model[:2, :2]
-    # Uniform in the disc of position errors, a hair inside it: rounding must not carry the truth out.
-    radius = 0.999 * contact_model.position_error * math.sqrt(random.uniform())
-    toward = random.uniform(-math.pi, math.pi)
-    error = radius * np.array([math.cos(toward), math.sin(toward)])
-    center = rotation @ contact_model.center + world_from_model[:2, 2] + error
-    turn = 0.999 * random.uniform(-1.0, 1.0) * (contact_model.normal_error or 0.0)
-    return Contact.from_tip(
-        center,
-        contact_model.tip_radius,
-        position_error=contact_model.position_error,
-        normal=None if contact_model.normal is None else _turned(rotation @ contact_model.normal, turn),
-        normal_error=contact_model.normal_error,
-        approach=None if contact_model.approach is None else rotation @ contact_model.approach,
-    )
-
-
-def _turned(direction: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    cosine, sine = math.cos(angle), math.sin(angle)
-    x, y = direction
-    return np.array([cosine * x - sine * y, sine * x + cosine * y])
-
-
-def _number_of(found: Recognition, truth: Model, world_from_truth: NDArray[np.float64]) -> int | None:
-    numbers: Sequence[int] = [
-        number
-        for number, hypothesis in enumerate(found.hypotheses, start=1)
-        if hypothesis.model == truth and hypothesis.poses.contains(world_from_truth)
-    ]
-    return numbers[0] if numbers else None
+    rotation = np.array([[cosine, -sine], [sine, cosine]])
+    turned = model.vertices @ rotation.T
+    low, high = table()
+    pose = np.eye(3)
+    pose[:2, :2] = rotation
+    pose[:2, 2] = random.uniform(low + _ROOM - turned.min(axis=0), high - _ROOM - turned.max(axis=0))
+    return pose

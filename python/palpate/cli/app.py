@@ -46,7 +46,7 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 
-app.command(cls=_Command, epilog="Example: palpate demo --part boot --seed 3 --plot boot.svg")(demo)
+app.command(cls=_Command, epilog="Example: palpate demo --part boot --seed 3 --out boot")(demo)
 app.command(
     cls=_Command, epilog="Example: palpate recognize boot parts/ --contacts touches.csv --plot found.svg"
 )(recognize)

@@ -2,97 +2,121 @@
 
 from __future__ import annotations
 
-import math
+import textwrap
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.markup import escape
+from rich.text import Text
 
-from palpate import Contact
+from palpate import Step, part_names
 from palpate.cli import options
 from palpate.cli.console import patiently, results
-from palpate.cli.documents import planar, print_document, recognition_document
-from palpate.cli.report import print_recognition
-from palpate.contacts import Evidence, contacts_document
-from palpate.demo import DEFAULT_PART, Demonstration, demonstrate
+from palpate.cli.demo_words import Teller, answer_words, task_words, truth_words
+from palpate.cli.documents import print_document
+from palpate.cli.run_report import result_document
+from palpate.demo import DEFAULT_SEED, UNIT, Demonstration, check_choice, demonstrate
+
+BEGIN = " " * 5  # of what belongs to a numbered line
 
 
 def demo(
     *,
-    part: Annotated[str, typer.Option(help="The bundled part that lies there.")] = DEFAULT_PART,
+    part: Annotated[
+        str | None, typer.Option(help="The bundled part that lies there.", show_default="one at random")
+    ] = None,
     seed: Annotated[
         int,
         typer.Option(
-            parser=options.whole(), metavar="N", help="Chooses its pose and the errors of the contacts."
+            parser=options.whole(),
+            metavar="N",
+            help="Chooses the part, its pose and the errors of the probe.",
         ),
-    ] = 0,
+    ] = DEFAULT_SEED,
     out: Annotated[
-        Path, typer.Option("--plot", "--out", metavar="FILE", help="The picture: .svg, .png or .pdf.")
-    ] = Path("palpate-demo.svg"),
+        Path, typer.Option(metavar="FOLDER", help="Where pictures, page and log are left.")
+    ] = Path("palpate-demo"),
+    plot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw the run in short here, too: .svg, .png or .pdf."),
+    ] = None,
     json: options.Json = False,
 ) -> None:
-    """Touch a bundled part twice, find every part and pose that explains it, draw the answer."""
-    from palpate.plots import plot_recognition, save_figure
+    """Hide a bundled part at random, find it by touch, tell how; leaves pictures and a page.
+
+    Exit code 0: it was found; 1: it was not, which is a fault; 2: bad input.
+    """
+    from palpate.cli.demo_page import LOG, PAGE, make_ready, write_folder
+    from palpate.plots import plot_turning_point, save_figure
     from palpate.plots.style import check_picture_path
 
-    check_picture_path(out)
-    shown = patiently(lambda: demonstrate(part, seed=seed), saying="recognizing")
+    if plot is not None:
+        check_picture_path(plot)
+    check_choice(part, seed)
+    make_ready(out)
     console = results()
-    if json:
-        print_document(_document(shown, out))
-    else:
-        _print(console, shown)
-    console.file.flush()
-    save_figure(plot_recognition(shown.found, shown.contacts, unit=shown.unit), out)
+    story = None if json else _Story(console)
     if not json:
-        console.print(f"picture: {out}", markup=False)
+        _print_paragraph(console, task_words(len(part_names())))
+    shown = patiently(
+        lambda: demonstrate(part, seed=seed, log=out / LOG, told=story), saying="feeling around"
+    )
+    if json:
+        print_document(_document(shown, page=out / PAGE, log=out / LOG))
+    else:
+        _print_paragraph(console, [*answer_words(shown), truth_words(shown)], style="bold")
+    console.file.flush()
+    write_folder(shown, out)
+    if plot is not None:
+        save_figure(plot_turning_point(shown.result, unit=UNIT), plot)
+    if not json:
+        console.print(f"page: {out / PAGE}", markup=False)
     if shown.truth_number is None:
         raise typer.Exit(1)
 
 
-def _print(console: Console, shown: Demonstration) -> None:
-    x, y, angle_deg = planar(shown.world_from_truth)
-    at = f"x {x:.2f}, y {y:.2f} {shown.unit}, turned by {angle_deg:.2f}°"
-    console.print(
-        f"On the table, unknown to the recognizer: [bold]{escape(shown.truth.name)}[/bold] at {at}."
-    )
-    for number, contact in enumerate(shown.contacts, start=1):
-        console.print(f"  touch {number} {_touch(contact, unit=shown.unit)}")
-    print_recognition(
-        console,
-        shown.found,
-        evidence=Evidence(shown.contacts),
-        labels=[model.name for model in shown.models],
-        unit=shown.unit,
-    )
-    if shown.truth_number is None:
-        console.print(
-            "[bold]The true part and pose are in none of them: this is a fault, please report it.[/bold]"
-        )
-    else:
-        console.print(f"The true part and pose are in hypothesis {shown.truth_number}.")
+class _Story:
+    """Tells each guarded move when it is understood."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._teller = Teller()
+        self._number = 0
+
+    def __call__(self, step: Step) -> None:
+        told = self._teller.tell(step)
+        self._number += 1
+        _print_text(self._console, told.why, style="dim", begin=f"{self._number:3}  ")
+        _print_text(self._console, told.met, begin=BEGIN)
+        if told.left:
+            _print_text(self._console, told.left, style="bold cyan", begin=BEGIN)
 
 
-def _touch(contact: Contact, *, unit: str) -> str:
-    x, y = contact.center
-    words = f"at ({x:.2f}, {y:.2f}) ± {contact.position_error:g} {unit}"
-    if contact.normal is None or contact.normal_error is None:
-        return words
-    angle_deg = math.degrees(math.atan2(contact.normal[1], contact.normal[0]))
-    return f"{words}, normal at {angle_deg:.1f}° ± {math.degrees(contact.normal_error):.3g}°"
+def _print_text(console: Console, text: str, *, style: str = "", begin: str = "") -> None:
+    # Wrapped here: rich would fill lines up with spaces, or begin them at the margin.
+    lines = textwrap.wrap(text, console.width - len(begin), break_on_hyphens=False)
+    shown = Text(begin + f"\n{' ' * len(begin)}".join(lines))
+    shown.stylize(style, len(begin))
+    console.print(shown, soft_wrap=True)
 
 
-def _document(shown: Demonstration, out: Path) -> dict[str, object]:
+def _print_paragraph(console: Console, sentences: Sequence[str], *, style: str = "") -> None:
+    console.print()
+    for sentence in sentences:
+        _print_text(console, sentence, style=style)
+    console.print()
+
+
+def _document(shown: Demonstration, *, page: Path, log: Path) -> dict[str, Any]:
     return {
         "schema": "palpate-demo",
-        "version": 1,
+        "version": 2,
+        "seed": shown.seed,
         "truth": {"model": shown.truth.name, "world_from_model": shown.world_from_truth.tolist()},
-        "contacts": contacts_document(shown.contacts, unit=shown.unit),
-        "found": recognition_document(
-            shown.found, shown.models, num_contacts=len(shown.contacts), unit=shown.unit
-        ),
+        "result": result_document(shown.result, shown.models, unit=UNIT),
         "truth_found": shown.truth_number is not None,
-        "picture": str(out),
+        "page": str(page),
+        "log": str(log),
     }

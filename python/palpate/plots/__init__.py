@@ -8,7 +8,7 @@ from palpate.plots.ambiguity import plot_ambiguity_tree
 from palpate.plots.lines import plot_lines
 from palpate.plots.paths import plot_path
 from palpate.plots.pictures import plot_models, plot_pose_range, plot_recognition
-from palpate.plots.runs import plot_run
+from palpate.plots.runs import plot_run, plot_turning_point
 from palpate.plots.style import save_figure
 
 __all__ = [
@@ -19,5 +19,6 @@ __all__ = [
     "plot_pose_range",
     "plot_recognition",
     "plot_run",
+    "plot_turning_point",
     "save_figure",
 ]

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
+from numpy.typing import ArrayLike
 
 from palpate._core import Contact, Hypothesis, Miss, Model, Recognition
 from palpate.plots.shapes import HALO, Array, draw_contact, draw_miss, draw_model, evidence_points, placed
@@ -28,6 +29,7 @@ from palpate.plots.style import (
     words,
 )
 
+TRUE_DASH = (0, (4, 3))
 MOST_DRAWN = 25  # hypotheses in one picture; more can't be told apart
 MOST_NUMBERED = 60  # faces of a model that fills its frame that get a number
 SMALLEST_SEEN = 0.004  # of the frame: less than the width of a line
@@ -84,11 +86,12 @@ def plot_pose_range(
     unit: str = "mm",
     num_samples: int = 60,
     seed: int = 0,
+    world_from_truth: ArrayLike | None = None,
 ) -> Figure:
     """The range of poses of one hypothesis, as in figure 2.4 of the thesis.
 
     Faint: sampled poses, each of them valid. Bold: the pose of largest slack. Shaded: where each vertex may
-    be.
+    be. Dashed, where it is known: the part at its true pose.
     """
     model, poses = hypothesis.model, hypothesis.poses
     samples = poses.sample(num_samples, seed=seed)
@@ -107,6 +110,11 @@ def plot_pose_range(
         for pose in samples:
             draw_model(axes, model, pose, color=color, alpha=0.22, width=0.6, zorder=2)
         draw_model(axes, model, hypothesis.world_from_model, color=color, fill=0.08, width=2.0, zorder=3)
+        truth: list[Line2D] = []
+        if world_from_truth is not None:
+            pose = np.asarray(world_from_truth, dtype=float)
+            draw_model(axes, model, pose, color=SENSED, dash=TRUE_DASH, width=1.2, zorder=4)
+            truth = [Line2D([], [], color=SENSED, ls=TRUE_DASH, lw=1.2, label="the truth")]
         for index, contact in enumerate(contacts):
             draw_contact(axes, contact, number=index + 1, spike=spike)
         for miss in misses:
@@ -129,7 +137,7 @@ def plot_pose_range(
                     [], [], marker="s", ls="", color="#E69F00", alpha=0.5, label="where each vertex may be"
                 ),
             ]
-        figure.legend(handles=handles, loc="outside lower center", ncols=3)
+        figure.legend(handles=[*handles, *truth], loc="outside lower center", ncols=3 + len(truth))
         set_frame(axes, low, high, unit=unit)
     return figure
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import matplotlib as mpl
@@ -13,16 +14,22 @@ from matplotlib.patches import Rectangle
 
 from palpate._core import Hypothesis, Miss
 from palpate.loop import Result, Step
-from palpate.plots.pictures import MOST_DRAWN, spike_for
-from palpate.plots.shapes import Array, draw_contact, draw_model, evidence_points, placed
-from palpate.plots.style import FAINT, RC, SENSED, frame_of, new_figure, part_style, set_frame, shape_of
+from palpate.plots.pictures import MOST_DRAWN
+from palpate.plots.shapes import Array, draw_contact, draw_model, placed
+from palpate.plots.style import FAINT, RC, SENSED, new_figure, part_style, set_frame, shape_of
 from palpate.probe import Hit, Skid
+
+PAPER = "#FAFAF7"
+BORDER = "#C4C4C0"
+EARLIER = "#6A6A6A"  # contacts of the steps before
 
 
 def plot_run(
     result: Result, step: int | None = None, *, unit: str = "mm", part_names: Sequence[str] | None = None
 ) -> Figure:
     """A step of a run, or all of it: hypotheses, paths as planned dashed, as travelled solid, contacts.
+
+    A part has the same colour at every step. The contact of the step has a ring.
 
     Args:
         result: Of `identify` or `replay`.
@@ -38,28 +45,82 @@ def plot_run(
         raise ValueError(
             f"step: must be from 0 to {len(result.steps) - 1} (got {step}); the run has no other"
         )
-    shown = result.steps if step is None else result.steps[: step + 1]
-    hypotheses = result.hypotheses if step is None else _before(result, step)
-    drawn = hypotheses[:MOST_DRAWN]
-    corners = [placed(one.world_from_model, one.model.vertices) for one in drawn]
-    border = _border(result)
-    contacts = result.contacts[: len(result.contacts) - _num_hits(result.steps) + _num_hits(shown)]
-    spike = spike_for([*corners, border], contacts) / 2
-    ends = [point for one in shown for point in (one.start, one.end)]
-    low, high = frame_of(np.vstack([*corners, border, *ends, *evidence_points(contacts, [], spike=spike)]))
+    low, high = _frame(result, [step])
     with mpl.rc_context(RC):
         figure = new_figure(shape_of(low, high))
         axes = figure.add_subplot()
-        _draw_border(axes, border)
-        colors = _draw_hypotheses(axes, drawn)
-        for number, one in enumerate(shown):
-            _draw_step(axes, one, faint=step is not None and number < step)
-        for number, contact in enumerate(contacts, start=1):
-            draw_contact(axes, contact, number=number, spike=spike)
-        axes.set_title(_title(result, step, len(hypotheses)))
-        _add_legend(figure, drawn, colors, names=part_names)
-        set_frame(axes, low, high, unit=unit)
+        drawn = _draw(axes, result, step)
+        axes.set_title(_title(result, step, _many(_left(result, step))))
+        _add_legend(figure, drawn, names=part_names)
+        _set_frame(axes, low, high, unit=unit)
     return figure
+
+
+def plot_turning_point(
+    result: Result, *, unit: str = "mm", part_names: Sequence[str] | None = None
+) -> Figure:
+    """A run in two pictures: the step before which most hypotheses were left, and what is left in the end.
+
+    A run of no steps has the second alone. The arguments are those of `plot_run`.
+    """
+    counts = [len(_left(result, step)) for step in range(len(result.steps))]
+    shown: list[int | None] = [counts.index(max(counts)), None] if counts else [None]
+    low, high = _frame(result, shown)
+    with mpl.rc_context(RC):
+        width, height = shape_of(low, high)
+        figure = new_figure((0.82 * width * len(shown), 0.82 * height))
+        drawn: list[Hypothesis] = []
+        for place, step in enumerate(shown, start=1):
+            axes = figure.add_subplot(1, len(shown), place)
+            drawn += _draw(axes, result, step)
+            axes.set_title(_title(result, step, _many(_left(result, step))))
+            _set_frame(axes, low, high, unit=unit)
+        _add_legend(figure, drawn, names=part_names)
+    return figure
+
+
+def _frame(result: Result, steps: Sequence[int | None]) -> tuple[Array, Array]:
+    """Around the workspace and all that is drawn of the steps."""
+    points = [_border(result)]
+    for step in steps:
+        points += [placed(one.world_from_model, one.model.vertices) for one in _drawn(result, step)]
+        points += [np.array([one.start, one.end]) for one in _shown(result, step)]
+    low, high = np.vstack(points).min(axis=0), np.vstack(points).max(axis=0)
+    margin = 0.015 * float((high - low).max())
+    return low - margin, high + margin
+
+
+def _draw(axes: Axes, result: Result, step: int | None) -> list[Hypothesis]:
+    """A step, or the whole run; returns the hypotheses that were drawn."""
+    border = _border(result)
+    _draw_border(axes, border)
+    drawn = _drawn(result, step)
+    _draw_hypotheses(axes, drawn)
+    shown = _shown(result, step)
+    for number, one in enumerate(shown):
+        _draw_step(axes, one, faint=step is not None and number < step)
+    contacts = result.contacts[: len(result.contacts) - _num_hits(result.steps) + _num_hits(shown)]
+    spike = float(np.ptp(border, axis=0).max()) / 24
+    new = len(contacts) if step is None or isinstance(shown[-1].reply, Hit) else len(contacts) + 1
+    for number, contact in enumerate(contacts, start=1):
+        color = SENSED if step is None or number == new else EARLIER
+        draw_contact(axes, contact, number=number, spike=spike, color=color, swept=False)
+        if step is not None and number == new:
+            axes.plot(*contact.center, marker="o", ms=11, mfc="none", mec=SENSED, mew=1.2, zorder=10)
+    return drawn
+
+
+def _shown(result: Result, step: int | None) -> list[Step]:
+    return result.steps if step is None else result.steps[: step + 1]
+
+
+def _left(result: Result, step: int | None) -> list[Hypothesis]:
+    """What was left when the step was planned, or in the end."""
+    return result.hypotheses if step is None else _before(result, step)
+
+
+def _drawn(result: Result, step: int | None) -> list[Hypothesis]:
+    return _left(result, step)[:MOST_DRAWN]
 
 
 def _before(result: Result, step: int) -> list[Hypothesis]:
@@ -80,25 +141,25 @@ def _border(result: Result) -> Array:
 
 def _draw_border(axes: Axes, border: Array) -> None:
     width, height = border[1] - border[0]
-    axes.add_patch(Rectangle(tuple(border[0]), width, height, fill=False, ec=FAINT, lw=0.8, zorder=1))
+    axes.add_patch(
+        Rectangle(tuple(border[0]), width, height, facecolor=PAPER, edgecolor=BORDER, lw=0.9, zorder=0)
+    )
 
 
-def _draw_hypotheses(axes: Axes, drawn: Sequence[Hypothesis]) -> dict[int, int]:
-    """A colour for each model, in order of its first hypothesis."""
-    colors: dict[int, int] = {}
+def _draw_hypotheses(axes: Axes, drawn: Sequence[Hypothesis]) -> None:
     for one in drawn:
-        color, dash = part_style(colors.setdefault(one.model_number, len(colors)))
-        fill = 0.14 / max(1.0, len(drawn) / 4)
-        draw_model(axes, one.model, one.world_from_model, color=color, dash=dash, fill=fill, width=1.1)
-    return colors
+        color, dash = part_style(one.model_number)
+        fill = 0.16 / max(1.0, len(drawn) / 4)
+        draw_model(axes, one.model, one.world_from_model, color=color, dash=dash, fill=fill, width=1.2)
 
 
 def _draw_step(axes: Axes, step: Step, *, faint: bool) -> None:
     """Planned dashed, travelled solid, the free move before it dotted."""
     color = FAINT if faint or step.path is None else SENSED
     alpha = 0.5 if faint else 1.0
-    axes.plot(*np.array([step.start, step.end]).T, color=color, alpha=alpha, lw=1.0, ls=(0, (5, 3)), zorder=6)
     stopped = _stopped(step)
+    ahead = np.array([step.start if stopped is None else stopped, step.end])
+    axes.plot(*ahead.T, color=color, alpha=alpha, lw=1.0, ls=(0, (5, 3)), zorder=6)
     if stopped is not None:
         axes.plot(*np.array([step.start, stopped]).T, color=color, alpha=alpha, lw=1.6, zorder=7)
     if len(step.route) > 1:
@@ -117,24 +178,34 @@ def _stopped(step: Step) -> Array | None:
     return step.end if isinstance(step.reply, Miss) else None
 
 
-def _title(result: Result, step: int | None, count: int) -> str:
+def _many(hypotheses: Sequence[Hypothesis]) -> str:
+    count = len(hypotheses)
     drawn = f", the first {MOST_DRAWN} drawn" if count > MOST_DRAWN else ""
-    many = f"{count} hypothes{'is' if count == 1 else 'es'}{drawn}"
+    return f"{count} hypothes{'is' if count == 1 else 'es'}{drawn}" if count else ""
+
+
+def _title(result: Result, step: int | None, many: str) -> str:
     if step is None:
-        return f"{result.status.replace('_', ' ')} after {result.touches} guarded moves: {many}"
+        ended = f"{result.status.replace('_', ' ')} after {result.touches} guarded moves"
+        return f"{ended}: {many or 'no hypothesis'}"
     purpose = {"scan": "scan", "path": "path", "verify": "one more touch"}[result.steps[step].purpose]
-    return f"guarded move {step + 1}, {purpose}" + (f": {many} before it" if count else "")
+    return f"guarded move {step + 1}, {purpose}" + (f": {many} before it" if many else "")
 
 
-def _add_legend(
-    figure: Figure, drawn: Sequence[Hypothesis], colors: dict[int, int], *, names: Sequence[str] | None
-) -> None:
+def _set_frame(axes: Axes, low: Array, high: Array, *, unit: str) -> None:
+    """The border of the workspace is frame enough."""
+    set_frame(axes, low, high, unit=unit)
+    axes.spines[:].set_visible(False)
+    axes.tick_params(length=0)
+
+
+def _add_legend(figure: Figure, drawn: Sequence[Hypothesis], *, names: Sequence[str] | None) -> None:
     handles: list[Line2D] = []
-    for number, index in colors.items():
-        color, dash = part_style(index)
-        own = next(one.model.name for one in drawn if one.model_number == number)
+    for number, own in sorted({one.model_number: one.model.name for one in drawn}.items()):
+        color, dash = part_style(number)
         label = own if names is None else names[number]
         handles.append(Line2D([], [], color=color, ls=dash, lw=2.0, label=label))
     handles.append(Line2D([], [], color=SENSED, ls=(0, (5, 3)), lw=1.0, label="planned"))
     handles.append(Line2D([], [], color=SENSED, lw=1.6, label="travelled"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)))
+    rows = math.ceil(len(handles) / (8 if figure.get_figwidth() > 8.0 else 4))
+    figure.legend(handles=handles, loc="outside lower center", ncols=math.ceil(len(handles) / rows))

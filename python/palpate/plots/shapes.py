@@ -75,8 +75,13 @@ def draw_model(axes: Axes, model: Model, world_from_model: Array, **look: Any) -
             )
 
 
-def draw_contact(axes: Axes, contact: Contact, *, number: int, spike: float, color: str = SENSED) -> None:
-    """A contact: tip and position error to scale; normal, its cone and the approach `spike` long."""
+def draw_contact(
+    axes: Axes, contact: Contact, *, number: int, spike: float, color: str = SENSED, swept: bool = True
+) -> None:
+    """A contact: tip and position error to scale; normal, its cone and the approach `spike` long.
+
+    `swept`: whether its free way is drawn too.
+    """
     center = np.asarray(contact.center)
     axes.add_patch(Circle(tuple(center), contact.position_error, facecolor=color, alpha=0.22, lw=0, zorder=8))
     if contact.tip_radius > 0.0:
@@ -95,9 +100,8 @@ def draw_contact(axes: Axes, contact: Contact, *, number: int, spike: float, col
     if contact.approach is not None and away is None:
         _draw_approach(axes, center, np.asarray(contact.approach), spike=spike, color=color)
         away = -np.asarray(contact.approach)
-    if contact.start is not None:
-        swept = np.array([contact.start, center])
-        axes.plot(*swept.T, color=FAINT, lw=0.9, ls=(0, (1, 2)), zorder=7)
+    if swept and contact.start is not None:
+        axes.plot(*np.array([contact.start, center]).T, color=FAINT, lw=0.9, ls=(0, (1, 2)), zorder=7)
     axes.plot(*center, marker="o", ms=3.6, color=color, zorder=10)
     # The number stands beyond the spike, or up and to the right of a bare contact.
     beyond = center + (1.25 * spike * away if away is not None else spike * np.array([0.3, 0.3]))
