@@ -183,7 +183,8 @@ def _escaped(text: object) -> str:
 
 
 def _rendered(markdown: str) -> str:
-    return str(_MARKDOWN.render(_NOT_IN_XML.sub("\ufffd", markdown))).strip()
+    rendered = str(_MARKDOWN.render(_NOT_IN_XML.sub("\ufffd", markdown))).strip()
+    return rendered.replace("<table>", '<div class="wide"><table>').replace("</table>", "</table></div>")
 
 
 def _inline(markdown: str) -> str:

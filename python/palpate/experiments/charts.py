@@ -48,7 +48,7 @@ def _dots(axes: Axes, thesis: Sequence[float], ours: Sequence[float]) -> None:
     rows = np.arange(len(thesis))
     axes.hlines(rows, thesis, ours, color="#D0D0D0", lw=1.4, zorder=1)
     axes.plot(
-        thesis, rows, ls="", marker="o", ms=6, mfc="white", mec=FAINT, mew=1.4, label="thesis", zorder=2
+        thesis, rows, ls="", marker="o", ms=8.5, mfc="white", mec=FAINT, mew=1.4, label="thesis", zorder=2
     )
     axes.plot(ours, rows, ls="", marker="o", ms=6, color=OURS, label="ours", zorder=3)
     axes.grid(axis="x", color="#EBEBEB", lw=0.8)

@@ -179,7 +179,7 @@ def pictures(rows: list[Row]) -> list[Picture]:
             bars[f"{label}\nthesis"] = list(map(float, TABLE_4_4[names]))
         some = [row for row in rows if tuple(row["parts"]) == names]
         bars[f"{label}\nours"] = [_mean(some, phase) for phase in PHASES]
-    caption = "Table 4.4 as a picture. Our computing takes milliseconds and can't be seen."
+    caption = "Table 4.4 as a picture. Our computing is too short to be seen."
     return [Picture("table-4.4", phases_chart(bars), caption)]
 
 

@@ -99,7 +99,9 @@ def _recognition(names: tuple[str, ...], rows: list[Row]) -> list[str]:
     return [
         set_name(names),
         str(len(rows)),
-        f"{printed.interpretations:.3g}",
+        f"{printed.interpretations:.2f}"
+        if printed.interpretations < 10
+        else f"{printed.interpretations:.1f}",
         f"{mean_of(rows, 'interpretations'):.2f}",
         f"{printed.recognition:.2f} s",
         duration(float(np.mean([row["seconds"]["recognition"] for row in rows]))),
@@ -145,8 +147,8 @@ Where the numbers differ in kind from the thesis's:
   One object explains its own data as often as there: {alone:.2f} in the mean over the six,
   {alone_printed:.2f} in the thesis. But the six together have {left:.2f} (at most {most}) where the thesis
   has 22.6, more than the {standard} of its standard points, which were chosen for their ambiguity. So it is
-  what *other* objects make of the data that differs: the thesis's must have nearly the same angles between
-  their faces; ours have angles of their own. That palpate decides each interpretation exactly matters
+  what *other* objects make of the data that differs: the thesis's probably share many angles between their
+  faces; ours have angles of their own. That palpate decides each interpretation exactly matters
   little: for all six the tests of pairs let {passed:.2f} pass, of which {left:.2f} hold.
 - **Depth.** One path tells all apart nearly always, with the thesis's own search (`ellis`) too. So it is the
   problems that are easier, with fewer interpretations; and no time limit ends the search, while in the
