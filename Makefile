@@ -95,6 +95,7 @@ table-no-normals: .venv/.built ## contacts without normals: hypotheses and times
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
 
 experiments: .venv/.built ## the thesis's tables and figures; an HTML page, and docs/experiments.md anew (minutes)
+	rm -rf target/experiments
 	$(BIN)/palpate experiment all --out target/experiments $(ARGS)
 	$(BIN)/python -m palpate.experiments.thesis target/experiments docs/experiments.md
 
