@@ -54,7 +54,7 @@ def test_coincident_faces_are_told_apart_by_the_one_that_differs():
 def test_no_line_of_the_workspace_can_be_used():
     found = hypotheses(wedge(), wedge(HIGHER))
     report = palpate.plan_report(found, SENSOR, workspace=[[10, 5], [20, 10]], effort=3000)
-    assert report.path is None and report.why in ("no_usable_path", "effort")
+    assert (report.path, report.why, report.proved, report.bound) == (None, "no_usable_path", True, 2.0)
     assert palpate.plan(found, SENSOR, workspace=[[10, 5], [20, 10]], effort=3000) is None
     inside = palpate.judge(found, SENSOR, (15, 5), (0, 1))
     assert inside.faults == [(0, "start"), (1, "start")]
@@ -66,13 +66,15 @@ def test_faces_that_can_not_be_touched_block_the_way():
     down = palpate.judge(found, SENSOR, (30, 100), (0, -1))
     assert "untouchable" in [fault for _, fault in down.faults] and not down.guaranteed
     report = palpate.plan_report(found, SENSOR, effort=3000)
-    assert report.path is None or report.path.fault is None
+    assert report.path is not None and not report.path.faults and not report.path.guaranteed
+    assert all(kind == "face" and face == 0 for o in report.path.outcomes for kind, face in (t.feature for t in o.touches))
 
 
 def test_vertices_alone_can_not_be_aimed_at_with_a_point():
     found = hypotheses(wedge(), wedge(HIGHER))
     report = palpate.plan_report(found, SENSOR, features=("vertex",), effort=3000)
-    assert report.path is None or not report.path.guaranteed  # it may pass by everything
+    assert report.path is not None and not report.path.guaranteed  # it passes by everything
+    assert report.path.no_contact == [0, 1] and not any(o.touches for o in report.path.outcomes)
 
 
 def test_all_faces_parallel():

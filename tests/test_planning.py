@@ -242,8 +242,6 @@ def test_one_direction_is_enough(hands, planner, half):
     report = palpate.plan_report(hands, usual_sensor(), planner=planner, directions=cone)
     assert best < len(hands) and report.path is not None and report.path.score <= best
     assert math.acos(min(1.0, report.path.direction @ np.array(cone[0]))) <= half + 1e-7
-    away = ((math.cos(angle), math.sin(angle)), half)
-    assert palpate.plan(hands, usual_sensor(), planner=planner, directions=away) == report.path
 
 
 def test_exact_readings_are_answered_whatever_the_rounding(hands):

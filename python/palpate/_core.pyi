@@ -691,9 +691,10 @@ def plan(
     Args:
         hypotheses: `found.hypotheses` of a recognition, or some of them. Lengths are in the unit of their models.
         sensor: Bounds of the next reading.
-        planner: Where candidates come from. `"auto"`: evenly spaced directions, quick, and `"complete"` where these tell
-            nothing. `"complete"`: all lines; no usable path of margin m or more is better, or `PlanReport.bound` says how
-            much better at most. `"ellis"`: the thesis's search (3.1 to 3.3, 4.1). `"grimson"`, `"schneiter"`: 5.4.2, 5.4.3.
+        planner: Where candidates come from. `"auto"`: evenly spaced directions, quick, then `"grimson"` and `"complete"`
+            where these tell nothing. `"complete"`: all lines; no usable path of margin m or more has a better score, or
+            `PlanReport.bound` says how much better at most. `"ellis"`: the thesis's search (3.1 to 3.3, 4.1). `"grimson"`,
+            `"schneiter"`: 5.4.2, 5.4.3.
         stop: When a path is good enough (3.4): `"perfect"`, all are separated; `("unique", k)`, it identifies k
             hypotheses, whichever of them is true; `("share", f)`, this share of them, above 0 and at most 1.
         workspace: Two opposite corners, shape `(2, 2)`, world frame: paths begin at the border of this rectangle. None:

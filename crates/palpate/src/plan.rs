@@ -134,7 +134,7 @@ pub struct Plan {
     pub path: Option<Path>,
     /// No usable path of margin ≥ m has a score below this.
     pub bound: f64,
-    /// No usable path of margin ≥ m is better than the one found.
+    /// No usable path of margin ≥ m has a better score than the one found (`docs/theory.md`, T13).
     pub proved: bool,
     /// Lines judged.
     pub num_judged: u64,
@@ -226,6 +226,10 @@ pub(crate) fn plan_among(
 pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> Plan {
     if best.members.len() < 2 {
         return Plan { path: None, bound: 1.0, proved: true, num_judged: 0, num_boxes: 0, counters: None };
+    }
+    if best.scene.begins_inside(best.members) {
+        let bound = best.members.len() as f64;
+        return Plan { path: None, bound, proved: true, num_judged: 0, num_boxes: 0, counters: None };
     }
     let mut proof = planners::Proof { bound: 1.0, proved: false, num_boxes: 0 };
     let mut counters = None;

@@ -11,7 +11,7 @@ use crate::plan::{Plan, PlanSettings, plan_with};
 /// A tree, and what was learned on the way.
 pub(super) struct Grown {
     pub nodes: Vec<Node>,
-    /// No first path has a score below this.
+    /// No first path has branches of a smaller mean size (`Aim::Branches` over n).
     pub bound: f64,
     /// The most classes of any path that was found; `None`: of those in the tree.
     pub max_outcomes: Option<usize>,
@@ -40,7 +40,7 @@ impl Choice {
     }
 }
 
-/// What the planner finds, and the score that no path is below, as far as it was proved.
+/// What the planner finds, and the mean size of branches that no path is below, as far as it was proved.
 pub(super) fn planned(mut best: Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> (Choice, f64) {
     best.aim = Aim::Branches;
     let plan = plan_with(best, settings, late);

@@ -56,7 +56,7 @@ fn worst_bound(n: usize, b: usize) -> usize {
     touches
 }
 
-/// Expected touches of any tree whose first path has this score at least.
+/// Expected touches of any tree whose first path has branches of this mean size at least (`Aim::Branches` over n).
 ///
 /// If it leaves u hypotheses in classes of more than one, its classes hold at most `u² + n − u` pairs, so that
 /// `u² + n − u ≥ n·bound`, and u is not 1; each of these u needs another touch at least. Half a pair is granted to rounding.

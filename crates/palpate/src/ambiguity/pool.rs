@@ -78,7 +78,7 @@ impl<'a> Pool<'a> {
         planned(best, settings, self.late)
     }
 
-    /// The score that no path among a set is below, as far as it was proved.
+    /// The mean size of branches that no path among a set is below, as far as it was proved.
     pub fn bound(&self, set: Set) -> f64 {
         self.planned.get(&set).map_or(1.0, |(_, bound)| *bound)
     }

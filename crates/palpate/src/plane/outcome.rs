@@ -321,7 +321,7 @@ impl Shadow {
     ///
     /// Between a vertex that is surely to its left and the next one that is surely to its right an outline must cross the
     /// line, inward; of a loose face this is said only if it is one face. The tip touches no later than its centre is its
-    /// radius away from that crossing.
+    /// radius away from that crossing, or from a vertex that is surely as near to the line.
     fn surely_met(&self, cell: &PlacedCell, seen: &[Seen], ask: &Question<'_>) -> Option<f64> {
         let side = |vertex: usize| {
             if seen[vertex].aside.low > ask.allowance.aside {
@@ -360,6 +360,11 @@ impl Shadow {
                 least = Some(least.map_or(depth, |known: f64| known.min(depth)));
             }
         };
+        for (seen, solid) in seen.iter().zip(&self.solid) {
+            if *solid {
+                take(met_by_vertex(seen, ask));
+            }
+        }
         if !self.model.closed {
             for number in
                 (0..self.model.faces.len()).filter(|k| self.model.faces[*k].surface != Surface::Seam)
@@ -389,6 +394,14 @@ impl Shadow {
         }
         least
     }
+}
+
+/// A depth by which a ball has surely met a vertex: it is ahead, and closer to the line than the radius.
+fn met_by_vertex(Seen { along, aside }: &Seen, ask: &Question<'_>) -> Option<f64> {
+    let radius = ask.sensor.tip_radius;
+    let off = aside.high.max(-aside.low) + ask.allowance.aside;
+    let sure = along.low > 0.0 && off < radius;
+    sure.then(|| along.high - (radius * radius - off * off).sqrt() + ask.allowance.depth)
 }
 
 /// Adds a contact; those on one feature become one.

@@ -6,6 +6,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::arc::wrap;
+use super::distance::segment_to_segment;
+use super::free::{inside, solid};
+use super::model::Face;
 use super::outcome::{Allowance, Question, Rules};
 use super::pose::Pose;
 use super::pose_set::PoseSet;
@@ -25,6 +28,9 @@ const MANY_VIEWS: usize = 12;
 
 /// They are chosen, far from each other, among so many samples.
 const NUM_SAMPLED: usize = 48;
+
+/// The border of a workspace is inside of a part if it is so far from its faces, as a share of the size: more than τ.
+const CLEAR: f64 = 1e-5;
 
 /// Poses of each hypothesis over which a path's expected score is taken.
 const NUM_EXPECTED: usize = 16;
@@ -145,7 +151,7 @@ impl Scene {
     }
 
     /// The radius of a circle around the middle outside of which a tip is clear of everything.
-    fn clear(&self) -> f64 {
+    pub fn clear(&self) -> f64 {
         let slack = self.shadows.iter().map(|shadow| shadow.model().position_slack).fold(0.0, f64::max);
         self.radius + self.sensor.tip_radius + self.sensor.path_error + slack + 2.0 * self.margin
     }
@@ -156,6 +162,24 @@ impl Scene {
         self.workspace.is_none_or(|[low, high]| {
             (self.middle - low).min_element() >= clear && (high - self.middle).min_element() >= clear
         })
+    }
+
+    /// Whether every line begins inside of a member that is at one of its poses: all of the workspace's border is.
+    pub fn begins_inside(&self, members: &[usize]) -> bool {
+        let Some([low, high]) = self.workspace else { return false };
+        let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+        let around = |member: usize, pose: Pose| {
+            let model = self.shadows[member].model();
+            let inverse = pose.inverse();
+            let corners = corners.map(|corner| inverse.apply(corner));
+            let border = |k: usize| [corners[k], corners[(k + 1) % 4]];
+            let clear_of = |face: &Face| {
+                let distance = |k| segment_to_segment([face.start, face.end], border(k));
+                (0..4).all(|k| distance(k) > CLEAR * self.size)
+            };
+            inside(model, corners[0]) && solid(model).all(clear_of)
+        };
+        members.iter().any(|member| self.views[*member].iter().any(|pose| around(*member, *pose)))
     }
 
     fn allowed(&self, angle: f64) -> bool {

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::arc::{Arc, wrap};
 use super::cell::Cell;
-use super::model::{Face, Model, Vertex};
+use super::model::{Face, Model, Surface, Vertex};
 use super::pose_set::PoseSet;
 use crate::feature::Feature;
 
@@ -49,6 +49,8 @@ pub(crate) struct Shadow {
     pub ends: Vec<[usize; 2]>,
     /// Faces of each closed outline.
     pub loops: Vec<ops::Range<usize>>,
+    /// Vertices that are on the part: ends of faces, seams aside.
+    pub solid: Vec<bool>,
     /// Cones of the vertices that stick out.
     pub cones: Vec<Option<Arc>>,
     pub assigned: Vec<bool>,
@@ -64,8 +66,16 @@ impl Shadow {
         let mut points = Vec::new();
         let cells: Vec<PlacedCell> =
             poses.cells().map(|cell| PlacedCell::new(cell, &model, pivot, outward, &mut points)).collect();
-        let ends =
+        let ends: Vec<[usize; 2]> =
             model.faces.iter().map(|face| [face.start, face.end].map(|at| vertex_at(&model, at))).collect();
+        let mut solid = vec![false; model.vertices.len()];
+        for (face, ends) in model.faces.iter().zip(&ends) {
+            if face.surface != Surface::Seam {
+                for end in ends {
+                    solid[*end] = true;
+                }
+            }
+        }
         let loops = loops(&model);
         let cones = cones(&model);
         let mut assigned = vec![false; model.faces.len()];
@@ -79,7 +89,7 @@ impl Shadow {
         let (low, high) = points.iter().fold(start, |(low, high), at| (low.min(*at), high.max(*at)));
         let middle = 0.5 * (low + high);
         let radius = points.iter().map(|at| at.distance(middle)).fold(0.0, f64::max) + pad;
-        Self { model, pivot, cells, points, ends, loops, cones, assigned, middle, radius }
+        Self { model, pivot, cells, points, ends, loops, solid, cones, assigned, middle, radius }
     }
 
     pub fn model(&self) -> &Model {

@@ -33,7 +33,7 @@ const COARSE: f64 = 0.3;
 const SHIFTED: usize = 3;
 
 /// Views of every member that are looked at from a coarse box.
-const COARSE_VIEWS: usize = 3;
+const COARSE_VIEWS: usize = 2;
 
 /// What was proved.
 pub(crate) struct Proof {
@@ -69,14 +69,13 @@ impl Views {
     fn new(scene: &Scene, members: &[usize]) -> Self {
         let error = scene.sensor.path_error;
         // The tip may be as far off its line as the path error says, on either side.
-        let shifts: &[f64] = if error > 0.0 { &[0.0, error, -error] } else { &[0.0] };
+        let shifts: &[f64] = if error > 0.0 { &[error, -error] } else { &[] };
         let of_member = |member: &usize| -> Vec<View> {
             let poses = scene.many_views(*member);
-            let of_pose = |(number, pose)| {
-                let shifts = if number < SHIFTED { shifts } else { &[0.0] };
-                shifts.iter().map(move |shift| View::new(scene, *member, pose, *shift))
-            };
-            poses.into_iter().enumerate().flat_map(of_pose).collect()
+            let on_line = poses.iter().map(|pose| (*pose, 0.0));
+            let off_line =
+                poses.iter().take(SHIFTED).flat_map(|pose| shifts.iter().map(|shift| (*pose, *shift)));
+            on_line.chain(off_line).map(|(pose, shift)| View::new(scene, *member, pose, shift)).collect()
         };
         let of: Vec<Vec<View>> = members.iter().map(of_member).collect();
         let extent =
@@ -169,7 +168,7 @@ fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<Lines> {
         angle,
         half,
         aside: 0.0,
-        reach: scene.radius,
+        reach: scene.clear(),
         left,
         number,
         shown: Shared::default(),

@@ -164,7 +164,9 @@ impl<'a> Frame<'a> {
         let grown =
             tangent * self.reach + (self.aside.abs() + self.scene.sensor.path_error + self.reach) * self.half;
         let farthest = (a.middle.abs() + grown) / (1.0 - tangent * self.half);
-        let change = tangents * (self.reach + farthest * self.half) + self.alike_depth / b.cosine * self.half;
+        // The tip may be off its line by the path error, to one side for the one and to the other for the other.
+        let turned = self.alike_depth / b.cosine + 2.0 * self.scene.sensor.path_error;
+        let change = tangents * (self.reach + farthest * self.half) + turned * self.half;
         (a.middle - b.middle).abs() + change <= self.alike_depth
     }
 }
