@@ -105,7 +105,7 @@ def test_tune_tries_each_parameter_on_the_same_problems(capsys):
     tried = document["tried"]
     assert {one["stop"] for one in tried} == {"perfect", "unique:1", "unique:3", "share:0.5"}
     assert {one["blind"] for one in tried} == {None, 3, 4, 6, 8}
-    assert {one["position_error"] for one in tried} == {0.25, 0.5, 1.0, 2.0}
+    assert {one["position_error"] for one in tried} == {0.125, 0.25, 0.5, 1.0}
     assert all(sum(one["status"].values()) == 2 and one["lost"] == 0 for one in tried)
     assert document["recommended"] in tried
     # More blind contacts need more moves.
@@ -127,7 +127,7 @@ def test_tune_recommends_the_cheapest_that_solves_most():
     # Where moving is all that counts, it is the way.
     assert advice.best.travel <= 1.01 * min(one.travel for one in own)
     assert tune.num_loops(1) - 1 <= len(calls) == len(advice.tried) <= tune.num_loops(1)
-    assert advice.widest is not None and advice.widest.setting.factor == 4.0
+    assert advice.widest is not None and advice.widest.setting.factor == 2.0
 
 
 @pytest.mark.parametrize(
