@@ -92,6 +92,9 @@ def test_the_campaign_writes_its_page_and_tells_a_lost_truth(tmp_path, monkeypat
     assert "| ±0.5, ±4°: all | 9 | 0 | 0 | 9 |" in page.read_text()
     again = [len(campaign.read(tmp_path / "good" / f"{name}.jsonl")[1]) for name in few]
     assert again[0] == 9 and all(again)
+    written = page.read_text()
+    assert campaign_loop.main([*arguments, str(tmp_path / "good"), "--as-is"]) == 0
+    assert page.read_text() == written
     monkeypatch.setattr(closed_loop.Problem, "kept", lambda self, hypotheses: False)
     capsys.readouterr()
     assert campaign_loop.main([*arguments, str(tmp_path / "bad")]) == 1
