@@ -92,6 +92,9 @@ def test_the_campaign_writes_its_page_and_tells_a_lost_truth(tmp_path, monkeypat
     assert "| ±0.5, ±4°: all | 9 | 0 | 0 | 9 |" in page.read_text()
     again = [len(campaign.read(tmp_path / "good" / f"{name}.jsonl")[1]) for name in few]
     assert again[0] == 9 and all(again)
+    written = page.read_text()
+    assert campaign_loop.main([*arguments, str(tmp_path / "good"), "--as-is"]) == 0
+    assert page.read_text() == written
     monkeypatch.setattr(closed_loop.Problem, "kept", lambda self, hypotheses: False)
     capsys.readouterr()
     assert campaign_loop.main([*arguments, str(tmp_path / "bad")]) == 1
@@ -105,7 +108,7 @@ def test_tune_tries_each_parameter_on_the_same_problems(capsys):
     tried = document["tried"]
     assert {one["stop"] for one in tried} == {"perfect", "unique:1", "unique:3", "share:0.5"}
     assert {one["blind"] for one in tried} == {None, 3, 4, 6, 8}
-    assert {one["position_error"] for one in tried} == {0.25, 0.5, 1.0, 2.0}
+    assert {one["position_error"] for one in tried} == {0.125, 0.25, 0.5, 1.0}
     assert all(sum(one["status"].values()) == 2 and one["lost"] == 0 for one in tried)
     assert document["recommended"] in tried
     # More blind contacts need more moves.
@@ -127,7 +130,7 @@ def test_tune_recommends_the_cheapest_that_solves_most():
     # Where moving is all that counts, it is the way.
     assert advice.best.travel <= 1.01 * min(one.travel for one in own)
     assert tune.num_loops(1) - 1 <= len(calls) == len(advice.tried) <= tune.num_loops(1)
-    assert advice.widest is not None and advice.widest.setting.factor == 4.0
+    assert advice.widest is not None and advice.widest.setting.factor == 2.0
 
 
 @pytest.mark.parametrize(

@@ -100,6 +100,11 @@ def run(problems: int, seed: int, out: Path, *, cluster: str | None) -> dict[str
     return done
 
 
+def on_disk(out: Path) -> dict[str, list[Row]]:
+    """What is there of all campaigns."""
+    return {name: campaign.read(out / f"{name}.jsonl")[1] for name in PARTS}
+
+
 def faults(done: dict[str, list[Row]]) -> list[str]:
     """Everything that must not be: a truth that was lost, a hypothesis that contradicts its evidence."""
     said = []
@@ -142,11 +147,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--cluster", help=campaign.CLUSTER_HELP)
     parser.add_argument("--out", type=Path, default=Path("out/campaign-loop"), help="folder of the rows")
     parser.add_argument("--page", type=Path, help="write the tables of this page anew")
+    parser.add_argument(
+        "--as-is", action="store_true", help="compute nothing: tables of what is in the folder"
+    )
     options = parser.parse_args(arguments)
     if options.problems < 1 or options.seed < 0:
         parser.error("--problems must be 1 or more, --seed 0 or more")
     try:
-        done = run(options.problems, options.seed, options.out, cluster=options.cluster)
+        if options.as_is:
+            done = on_disk(options.out)
+        else:
+            done = run(options.problems, options.seed, options.out, cluster=options.cluster)
         made = sections(done)
         for name, text in made.items() if options.page else ():
             rewrite(options.page, name, text)

@@ -22,7 +22,8 @@ Stop: TypeAlias = str | tuple[str, float]
 
 STOPS: tuple[Stop, ...] = ("perfect", ("unique", 1), ("unique", 3), ("share", 0.5))
 BLINDS = (None, 3, 4, 6, 8)
-FACTORS = (0.5, 1.0, 2.0, 4.0)
+FACTORS = (0.25, 0.5, 1.0, 2.0)  # wider bounds than twice the sensor's own may take minutes a loop
+MAX_TOUCHES = 50  # a part that needs more is not solved
 SOLVED = 0.95  # of the loops: bounds are good enough
 HARDLY = 0.01  # of the cost or of the loops: no reason to choose another setting
 
@@ -137,7 +138,7 @@ def num_loops(problems: int) -> int:
 def _loop(models: Sequence[Model], sensor: Sensor, setting: Setting, *, number: int) -> Row:
     felt = scaled(sensor, setting.factor)
     problem = problem_of(number, models, models[number % len(models)], sensor=felt)
-    return row_of(problem, number, stop=setting.stop, blind=setting.blind)
+    return row_of(problem, number, stop=setting.stop, blind=setting.blind, max_touches=MAX_TOUCHES)
 
 
 def _tried(setting: Setting, rows: Sequence[Row], costs: Costs) -> Tried:
