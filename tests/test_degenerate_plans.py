@@ -67,7 +67,8 @@ def test_faces_that_can_not_be_touched_block_the_way():
     assert "untouchable" in [fault for _, fault in down.faults] and not down.guaranteed
     report = palpate.plan_report(found, SENSOR, effort=3000)
     assert report.path is not None and not report.path.faults and not report.path.guaranteed
-    assert all(kind == "face" and face == 0 for o in report.path.outcomes for kind, face in (t.feature for t in o.touches))
+    touches = [touch for outcome in report.path.outcomes for touch in outcome.touches]
+    assert all(touch.feature == ("face", 0) for touch in touches)
 
 
 def test_vertices_alone_can_not_be_aimed_at_with_a_point():

@@ -220,9 +220,7 @@ def test_a_line_that_ends_before_anything_has_no_fault(hands):
 
 
 def test_a_direction_may_have_any_length(hands):
-    paths = [
-        palpate.judge(hands, usual_sensor(), (0, 300), (0, -y)) for y in (1.0, 1e-300, 5e-324, 1e308)
-    ]
+    paths = [palpate.judge(hands, usual_sensor(), (0, 300), (0, -y)) for y in (1.0, 1e-300, 5e-324, 1e308)]
     assert all(path == paths[0] for path in paths)
     with pytest.raises(ValueError, match="direction: must not be zero"):
         palpate.judge(hands, usual_sensor(), (0, 300), (0, 0))
@@ -234,10 +232,8 @@ def test_one_direction_is_enough(hands, planner, half):
     """What `Lines` finds in the only direction that is allowed, planners find."""
     angle = math.radians(45.0)
     lines = palpate.Lines(hands, usual_sensor())
-    best = min(
-        (path.score for aside in np.linspace(-100, 100, 401) if (path := lines.judge(angle, aside)) and not path.faults),
-        default=math.inf,
-    )
+    judged = [lines.judge(angle, aside) for aside in np.linspace(-100, 100, 401)]
+    best = min(path.score for path in judged if not path.faults)
     cone = ((math.cos(angle), math.sin(angle)), half)
     report = palpate.plan_report(hands, usual_sensor(), planner=planner, directions=cone)
     assert best < len(hands) and report.path is not None and report.path.score <= best
@@ -262,7 +258,7 @@ def test_schneiter_heeds_the_time(hands):
 
 
 def test_a_workspace_that_cuts_in_leaves_nothing_proved(hands):
-    narrow = palpate.Sensor(0.5, math.radians(4), 0.35, path_error=0.5)
+    narrow = palpate.Sensor(2.0, math.radians(4), 0.35, path_error=2.0)
     corners = [[-60, -20], [130, 200]]
     report = palpate.plan_report(hands, narrow, planner="complete", workspace=corners, margin=0.05)
     assert report.path is not None and report.path.score > 1.0

@@ -155,7 +155,9 @@ def plan(
         "seed": seed,
         "features": kinds,
     }
-    planned = _planned(asked, search, path=not tree, tree=tree or plot_tree is not None, method=method or "greedy")
+    planned = _planned(
+        asked, search, path=not tree, tree=tree or plot_tree is not None, method=method or "greedy"
+    )
     console = results()
     if json:
         print_document(_document(asked, planned, tree=tree, planner=planner))
@@ -230,7 +232,9 @@ def _print(console: Console, asked: _Asked, planned: _Planned, *, tree: bool, st
         return
     console.print(f"sensor: {sensor_words(asked.sensor, unit=asked.unit)}", soft_wrap=True)
     if not asked.found.complete:
-        console.print("[bold]more hypotheses are left than are listed[/bold]: what is said of paths holds for these")
+        console.print(
+            "[bold]more hypotheses are left than are listed[/bold]: what is said of paths holds for these"
+        )
     if tree and planned.tree is not None:
         console.print(planned.tree.to_text(), markup=False, soft_wrap=True, end="")
     if planned.report is not None:

@@ -49,7 +49,9 @@ def stop_of(text: str) -> Any:
             return ("share", float(amount))
     except ValueError:
         pass
-    raise typer.BadParameter(f"must be perfect, unique=K or share=F with F above 0 and at most 1 (got {text!r})")
+    raise typer.BadParameter(
+        f"must be perfect, unique=K or share=F with F above 0 and at most 1 (got {text!r})"
+    )
 
 
 def numbers_of(text: str, count: int, meaning: str) -> list[float]:
@@ -150,8 +152,8 @@ PathError = Annotated[
     typer.Option(
         parser=options.length,
         metavar="LENGTH",
-        help="How far the tip may leave its line: of the next path, else 0; of misses that don't say, else their "
-        "position error.",
+        help="How far the tip may leave its line: of the next path, else 0; of misses that don't say, else "
+        "their position error.",
         rich_help_panel="Sensor",
     ),
 ]

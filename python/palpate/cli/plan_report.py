@@ -24,7 +24,8 @@ WHY = {
     "inseparable": "Proved: no usable path of margin {m} or more is certain to tell any two apart.",
     "no_usable_path": "Proved: no path of margin {m} or more can be used.",
     "time": "--time-limit cut the search short; proved so far: no score is below {bound}.",
-    "effort": "The limit of effort cut the search short; proved so far: no score is below {bound}. --effort allows more.",
+    "effort": "The limit of effort cut the search short; proved so far: no score is below {bound}. "
+    "--effort allows more.",
     "incomplete": "One hypothesis is listed of more that are left: --max-hypotheses lists more.",
     "searched": "This planner looks at some lines only; --planner complete looks at all.",
 }

@@ -115,9 +115,7 @@ def check_picture_path(path: str | Path) -> None:
     if path.is_dir():
         raise ValueError(f"{path}: is a folder; give the name of a file in it")
     if path.suffix.lower() not in FORMATS:
-        raise ValueError(
-            f"{path}: pictures can't be saved as {path.suffix!r}; name it {', '.join(FORMATS)}"
-        )
+        raise ValueError(f"{path}: pictures can't be saved as {path.suffix!r}; name it {', '.join(FORMATS)}")
     if not path.parent.is_dir():
         raise ValueError(f"{path}: there is no folder {path.parent}; make it first")
 
