@@ -17,7 +17,9 @@ use common::star;
 use fastrand::Rng;
 use measure::spread;
 use palpate::plane::Model;
-use palpate::{Hypothesis, Plan, PlanSettings, Planner, Sensor, TreeMethod, TreeSettings, plan, plan_tree};
+use palpate::{
+    EllisCounters, Hypothesis, Plan, PlanSettings, Planner, Sensor, TreeMethod, TreeSettings, plan, plan_tree,
+};
 use planning::{fine, left_by_contacts, sensor};
 use serde_json::{Value, json};
 
@@ -37,6 +39,7 @@ fn main() {
     let count = std::env::args().nth(1).map_or(100, |text| text.parse().expect("a number"));
     measure::print(&json!({
         "first_path": first_path(count),
+        "counts": counts(count),
         "tree": tree(count),
         "proof": proof(count / 2),
         "hundred": hundred(count / 10),
@@ -95,6 +98,27 @@ fn first_path(count: usize) -> Value {
     let perfect =
         plans.iter().filter(|plan| plan.path.as_ref().is_some_and(|path| path.score <= 1.0)).count();
     json!({ "seconds": spread(&mut times), "perfect": perfect })
+}
+
+/// Operations of the thesis's own search on the same problems, in all, and what its section 3.5 says.
+fn counts(count: usize) -> Value {
+    let plans: Vec<Plan> = pairs(1, 2, 30).take(count).map(|some| by(&some, Planner::Ellis)).collect();
+    let sum = |of: &dyn Fn(&EllisCounters) -> u64| -> u64 {
+        plans.iter().filter_map(|plan| plan.counters.as_ref()).map(of).sum()
+    };
+    json!({
+        "problems": plans.len(),
+        "inner_products": sum(&|all| all.inner_products),
+        "inner_products_thesis": sum(&EllisCounters::predicted_inner_products),
+        "generators": sum(&|all| all.generators),
+        "candidates": sum(&|all| all.candidates),
+        "unsensed": sum(&|all| all.unsensed),
+        "critical_points": sum(&|all| all.critical_points),
+        "critical_points_thesis": sum(&EllisCounters::predicted_critical_points),
+        "critical_kept": sum(&|all| all.critical_kept),
+        "overlaps": sum(&|all| all.overlaps),
+        "paths": sum(&|all| all.paths),
+    })
 }
 
 /// Whole trees of 20 to 25 hypotheses, by the planner for the loop.
