@@ -75,7 +75,9 @@ impl Model {
             met.into_iter()
                 .map(move |(depth, normal)| (depth, normal, Feature::Face(k as u32), normal == face.normal))
         });
-        let of_vertices = self.vertices.iter().enumerate().filter_map(|(k, vertex)| {
+        // A point meets no vertex by itself.
+        let vertices = if tip_radius > 0.0 { self.vertices.as_slice() } else { &[] };
+        let of_vertices = vertices.iter().enumerate().filter_map(|(k, vertex)| {
             let (depth, normal) = first_on_vertex(vertex.point, &line, tip_radius)?;
             Some((depth, normal, Feature::Vertex(k as u32), true))
         });
@@ -111,9 +113,12 @@ impl Model {
         let sides = if self.closed { 1 } else { 2 };
         for normal in [face.normal, -face.normal].into_iter().take(sides) {
             let speed = normal.dot(line.direction);
+            if speed >= 0.0 {
+                continue;
+            }
             let [start, end] = [face.start, face.end].map(|at| at + radius * normal);
             let (a, b) = (line.coordinates(start).1, line.coordinates(end).1);
-            if speed < 0.0 && a.min(b) <= 0.0 && a.max(b) >= 0.0 {
+            if a.min(b) <= 0.0 && a.max(b) >= 0.0 {
                 met.push((normal.dot(start - line.start) / speed, normal));
             }
         }
