@@ -15,11 +15,11 @@ from palpate._core import Hypothesis, Model, Sensor
 from palpate.loop import Result, Step, identify
 from palpate.models import load_models
 from palpate.parts import part_names
-from palpate.probe import SimulatedProbe
+from palpate.probe import SimulatedProbe, random_pose
 
 Array: TypeAlias = NDArray[np.float64]
 
-# In its run two planned paths leave one of 14 hypotheses, and three more touches tighten its pose.
+# In its run two planned paths leave one of 14 hypotheses, and more touches tighten its pose.
 DEFAULT_SEED = 5
 
 UNIT = "mm"
@@ -72,7 +72,7 @@ def demonstrate(
     models = load_models(names)
     drawn = int(np.random.default_rng([seed, 0]).integers(len(names)))
     truth = models[drawn if part is None else names.index(part)]
-    world_from_truth = _hidden(truth, np.random.default_rng([seed, 1]))
+    world_from_truth = random_pose(truth, table(), room=_ROOM, random=np.random.default_rng([seed, 1]))
     probe = SimulatedProbe(truth, world_from_truth, SENSOR, seed=seed)
     result = identify(models, probe, SENSOR, table(), until=ENOUGH, unit=UNIT, log=log, told=told)
     return Demonstration(models, truth, world_from_truth, result, seed)
@@ -113,16 +113,3 @@ def nearest(found: Hypothesis, world_from_truth: Array) -> Array:
 def _way(model: Model, one: Array, other: Array) -> float:
     corners = np.column_stack([model.vertices, np.ones(len(model.vertices))])
     return float(np.hypot(*(corners @ (one - other).T)[:, :2].T).max())
-
-
-def _hidden(model: Model, random: np.random.Generator) -> Array:
-    """A pose anywhere on the table, uniform in its turn and then in its place."""
-    angle = random.uniform(-math.pi, math.pi)
-    cosine, sine = math.cos(angle), math.sin(angle)
-    rotation = np.array([[cosine, -sine], [sine, cosine]])
-    turned = model.vertices @ rotation.T
-    low, high = table()
-    pose = np.eye(3)
-    pose[:2, :2] = rotation
-    pose[:2, 2] = random.uniform(low + _ROOM - turned.min(axis=0), high - _ROOM - turned.max(axis=0))
-    return pose

@@ -252,9 +252,11 @@ pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn 
     }
     let perfect = best.path.as_ref().is_some_and(|path| path.score <= 1.0);
     let path = best.path;
+    // Where lines were tried, none may be left that can be used though some could.
+    let answered = path.is_some() || settings.tried.is_empty();
     Plan {
         bound: if perfect { 1.0 } else { proof.bound },
-        proved: perfect || proof.proved,
+        proved: perfect || (proof.proved && answered),
         path,
         num_judged: best.num_judged,
         num_boxes: proof.num_boxes,

@@ -21,6 +21,24 @@ impl Range {
         self.low <= other.high && other.low <= self.high
     }
 
+    /// The least range that holds both.
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// What two ranges have in common; low above high if nothing.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        Self { low: self.low.max(other.low), high: self.high.min(other.high) }
+    }
+
+    /// The range with so much more at either end.
+    #[must_use]
+    pub fn widened(self, by: f64) -> Self {
+        Self { low: self.low - by, high: self.high + by }
+    }
+
     /// Whether two arcs of the circle have a direction in common.
     #[must_use]
     pub fn meets_on_circle(self, other: Self) -> bool {

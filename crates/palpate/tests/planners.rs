@@ -213,13 +213,16 @@ fn assigned_faces_are_avoided_if_asked() {
 #[test]
 fn a_direction_that_is_not_allowed_is_not_taken() {
     let directions = Some((DVec2::X, 0.3));
+    let mut num_paths = 0;
     for hypotheses in problems(19, 0.0).take(5) {
         for planner in OF_THE_THESIS {
             let plan = planned(&hypotheses, &PlanSettings { directions, ..by(planner) });
             let allowed = |path: &palpate::Path| path.line.direction.angle_to(DVec2::X).abs() <= 0.3 + 1e-9;
+            num_paths += u32::from(plan.path.is_some());
             assert!(plan.path.as_ref().is_none_or(allowed));
         }
     }
+    assert!(num_paths > 5, "{num_paths} of 15");
 }
 
 #[test]

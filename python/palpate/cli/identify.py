@@ -22,10 +22,10 @@ from palpate.loop.entries import settings_in
 from palpate.loop.journal import read_log
 from palpate.loop.route import Array, workspace_of
 from palpate.probe import Noise as NoiseName
+from palpate.probe import random_pose
 
 ACROSS = 3.0  # the workspace in sizes of the largest part, if it is not given
 ROOM = 0.02  # of the part, between it and the border, at a random pose
-MOST_TRIES = 1000
 
 
 def identify(
@@ -179,17 +179,7 @@ def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: in
         return pose_of(text, "--pose")
     random = np.random.default_rng([seed, 1])
     room = ROOM * model.size + 2.0 * sensor.tip_radius + sensor.path_error
-    for _ in range(MOST_TRIES):
-        angle = random.uniform(-math.pi, math.pi)
-        pose = pose_of(f"0,0,{math.degrees(angle)!r}", "--pose")
-        turned = model.vertices @ pose[:2, :2].T
-        low, high = workspace[0] + room - turned.min(axis=0), workspace[1] - room - turned.max(axis=0)
-        if (low <= high).all():
-            pose[:2, 2] = random.uniform(low, high)
-            return pose
-    raise ValueError(
-        "--workspace: the part has no room in it (got none of 1000 random rotations); give a larger one"
-    )
+    return random_pose(model, workspace, room=room, random=random)
 
 
 def _verdict(result: Result, truth: Model, world_from_truth: Array) -> str:

@@ -12,8 +12,8 @@ from rich.table import Table
 
 from palpate import Outcome, Path, PlanReport, Sensor
 from palpate.cli.report import decimal
+from palpate.loop.planning import HARDLY
 
-HARDLY = 0.05  # so many hypotheses less, in the mean, are hardly worth a touch
 MOST_FEATURES = 4  # that are named in one answer
 
 WHY = {

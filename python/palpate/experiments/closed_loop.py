@@ -30,9 +30,8 @@ from palpate import (
 from palpate.experiments import rivals
 from palpate.experiments.checks import TOLERANCE
 from palpate.experiments.oracle import Evidence, valid
-from palpate.experiments.problems import matrix
 from palpate.experiments.shapes import Array, Shape
-from palpate.probe import Noise
+from palpate.probe import Noise, random_pose
 
 Row = dict[str, Any]
 Start = Literal["scan", "drawn"]
@@ -93,13 +92,11 @@ def problem_of(
     random = np.random.default_rng([number, 1])
     half, room = ACROSS / 2.0 * max(model.size for model in [*models, truth]), ROOM * truth.size
     room += 2.0 * sensor.tip_radius + factor * sensor.path_error
-    pose = matrix(random.uniform(-math.pi, math.pi), 0.0, 0.0)
-    turned = truth.vertices @ pose[:2, :2].T
-    pose[:2, 2] = random.uniform(room - half - turned.min(axis=0), half - room - turned.max(axis=0))
+    workspace = np.array([[-half, -half], [half, half]])
+    pose = random_pose(truth, workspace, room=room, random=random)
     noise: Noise = "bounds" if random.uniform() < AT_BOUNDS else "uniform"
     made = scaled(sensor, factor)
     probe = SimulatedProbe(truth, pose, made, seed=number, noise=noise, believed=sensor)
-    workspace = np.array([[-half, -half], [half, half]])
     return Problem(list(models), truth, pose, workspace, sensor, probe, noise)
 
 

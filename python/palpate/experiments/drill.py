@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from palpate import Hit, Model, Result, SimulatedProbe, Skid, Step, identify
+from palpate import Hit, Result, SimulatedProbe, Skid, Step, identify
 from palpate.experiments.campaign import Row
 from palpate.experiments.experiment import SEEDS, Experiment, Picture
 from palpate.experiments.pages import duration, machine, share, table
 from palpate.experiments.printed import TABLE_4_4
-from palpate.experiments.problems import matrix
 from palpate.experiments.shapes import Array
 from palpate.experiments.thesis_sensor import parts, sensor_of, sensor_words
 from palpate.parts import DRILL_PARTS
+from palpate.probe import random_pose
 
 WORKSPACE = np.array([[0.0, 0.0], [290.0, 320.0]])
 SPEED = 40.0  # mm/s, all moves
@@ -64,7 +64,7 @@ def run(names: tuple[str, ...], truth: str, seed: int, **bounds: Any) -> tuple[R
     """A loop with a part at a random pose in the workspace; the result and the true pose."""
     model, sensor = parts()[truth], sensor_of(**bounds)
     random = np.random.default_rng(seed)
-    pose = random_pose(model, WORKSPACE, random)
+    pose = random_pose(model, WORKSPACE, room=ROOM, random=random)
     probe = SimulatedProbe(model, pose, sensor, seed=int(random.integers(2**32)))
     return identify([parts()[name] for name in names], probe, sensor, WORKSPACE), pose
 
@@ -81,17 +81,6 @@ def exemplary(
         if len(first.hypotheses) == hypotheses and len(result.contacts) == 3 and result.status == "solved":
             return result
     raise AssertionError(f"none of {MOST_TRIES} runs leaves {hypotheses} hypotheses first")
-
-
-def random_pose(model: Model, workspace: Array, random: np.random.Generator) -> Array:
-    """A pose at which the part lies within the workspace."""
-    for _ in range(MOST_TRIES):
-        angle = random.uniform(-math.pi, math.pi)
-        turned = model.vertices @ matrix(angle, 0.0, 0.0)[:2, :2].T
-        low, high = workspace[0] + ROOM - turned.min(axis=0), workspace[1] - ROOM - turned.max(axis=0)
-        if (low <= high).all():
-            return matrix(angle, *random.uniform(low, high))
-    raise ValueError(f"model: {model.name!r} has no room in the workspace (got {workspace.tolist()})")
 
 
 def travels(result: Result) -> tuple[float, float]:

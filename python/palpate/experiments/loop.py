@@ -29,6 +29,7 @@ from palpate import (
     part_names,
     recognize,
 )
+from palpate.probe import random_pose
 
 ACROSS = 3.0  # the workspace, in sizes of the part
 ROOM = 0.05  # of the part, between it and the border
@@ -38,13 +39,9 @@ def problem(models: list[Model], number: int) -> tuple[Model, NDArray[np.float64
     """The part, its pose and the workspace."""
     model = models[number % len(models)]
     random = np.random.default_rng(number)
-    angle = random.uniform(-math.pi, math.pi)
-    cosine, sine = math.cos(angle), math.sin(angle)
-    turned = model.vertices @ np.array([[cosine, -sine], [sine, cosine]]).T
-    half, room = ACROSS / 2 * model.size, ROOM * model.size
-    x, y = random.uniform(room - half - turned.min(axis=0), half - room - turned.max(axis=0))
-    pose = np.array([[cosine, -sine, x], [sine, cosine, y], [0.0, 0.0, 1.0]])
-    return model, pose, np.array([[-half, -half], [half, half]])
+    half = ACROSS / 2 * model.size
+    workspace = np.array([[-half, -half], [half, half]])
+    return model, random_pose(model, workspace, room=ROOM * model.size, random=random), workspace
 
 
 def measured(models: list[Model], number: int, noise: Any) -> dict[str, Any]:

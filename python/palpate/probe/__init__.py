@@ -6,7 +6,7 @@ frame.
 """
 
 from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
-from palpate.probe.simulated import Noise, SimulatedProbe
+from palpate.probe.simulated import Noise, SimulatedProbe, random_pose
 
 __all__ = [
     "AlreadyTouching",
@@ -18,4 +18,5 @@ __all__ = [
     "SimulatedProbe",
     "Skid",
     "UnexpectedTouch",
+    "random_pose",
 ]

@@ -15,6 +15,8 @@ from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Reply, Skid, Une
 Array: TypeAlias = NDArray[np.float64]
 Noise: TypeAlias = Literal["uniform", "bounds", "none"]
 
+MOST_TURNS = 1000  # are tried for one that leaves room
+
 
 class SimulatedProbe:
     """A disc-shaped tip in the plane, moved against the true part at its true pose (thesis 4.1, 4.3).
@@ -206,6 +208,28 @@ def _check(model: Any, sensor: Any, believed: Any, *, seed: Any, noise: Any) -> 
         raise ValueError(f"seed: must be a whole number, zero or more (got {seed!r}); give another one")
     if noise not in get_args(Noise):
         raise ValueError(f'noise: unknown (got {noise!r}); give "uniform", "bounds" or "none"')
+
+
+def random_pose(model: Model, workspace: Array, *, room: float, random: np.random.Generator) -> Array:
+    """A pose at which the part lies within the workspace, `room` away from its border.
+
+    Uniform in its turn, of those that leave room, and then in its place.
+
+    Raises:
+        ValueError: None of many random turns leaves room.
+    """
+    for _ in range(MOST_TURNS):
+        angle = random.uniform(-math.pi, math.pi)
+        cosine, sine = math.cos(angle), math.sin(angle)
+        turned = model.vertices @ np.array([[cosine, -sine], [sine, cosine]]).T
+        low, high = workspace[0] + room - turned.min(axis=0), workspace[1] - room - turned.max(axis=0)
+        if (low <= high).all():
+            x, y = random.uniform(low, high)
+            return np.array([[cosine, -sine, x], [sine, cosine, y], [0.0, 0.0, 1.0]])
+    raise ValueError(
+        f"workspace: {model.name!r} has no room in it (got none of {MOST_TURNS} random rotations); "
+        "give a larger one"
+    )
 
 
 def point_of(argument: str, value: ArrayLike) -> Array:

@@ -146,7 +146,7 @@ impl Shadow {
             along = Range { low: along.low.min(t), high: along.high.max(t) };
             aside = Range { low: aside.low.min(s), high: aside.high.max(s) };
         }
-        Seen { along: widened(along, spot.pad), aside: widened(aside, spot.pad) }
+        Seen { along: along.widened(spot.pad), aside: aside.widened(spot.pad) }
     }
 
     /// By which depth the line has surely met the part (`None`: it may pass it by), and what it may meet, in one cell.
@@ -187,7 +187,7 @@ impl Shadow {
             return None;
         }
         let [start, end] = self.ends[number].map(|vertex| seen[vertex]);
-        let near = hull(start.aside, end.aside);
+        let near = start.aside.hull(end.aside);
         let reach = ask.allowance.aside + ask.sensor.tip_radius;
         if near.low > reach || near.high < -reach {
             return None;
@@ -201,8 +201,8 @@ impl Shadow {
             if self.model.closed {
                 return None;
             }
-            let along = hull(start.along, end.along);
-            let depth = widened(along, ask.allowance.depth + ask.sensor.tip_radius);
+            let along = start.along.hull(end.along);
+            let depth = along.widened(ask.allowance.depth + ask.sensor.tip_radius);
             return (depth.high >= 0.0).then_some(Possible {
                 feature: Feature::Face(number as u32),
                 depth,
@@ -245,12 +245,12 @@ impl Shadow {
         let (normal, angle) = cell.normals[number];
         // How far along the line the radius moves each end: r·(n·u) over the cell.
         let shift = moved_by(radius, normal, ask.line.direction, cell.half);
-        let span = hull(start.along, end.along);
+        let span = start.along.hull(end.along);
         let extent = Range { low: span.low + shift.low, high: span.high + shift.high };
         // Ends cut off where the path does not reach: only the part of the face within `aside` of the line is met.
         let incidence = ask.incidence(Arc::around(angle, cell.half));
         if incidence.high + ask.allowance.angle >= FRAC_PI_2 - 1e-3 {
-            return Some(widened(extent, ask.allowance.depth));
+            return Some(extent.widened(ask.allowance.depth));
         }
         let (slowest, fastest) = (incidence.high.cos(), incidence.low.cos());
         let inner = face.normal.dot(face.start) + radius;
@@ -264,7 +264,7 @@ impl Shadow {
             let value = inner - face.normal.dot(*y) + cell.mu * a + s * b;
             gap = Range { low: gap.low.min(value), high: gap.high.max(value) };
         }
-        let gap = widened(gap, cell.rho * a.abs() + ask.allowance.aside * incidence.high.sin());
+        let gap = gap.widened(cell.rho * a.abs() + ask.allowance.aside * incidence.high.sin());
         // t − t_mid = gap / (n·u), and n·u is in [−fastest, −slowest].
         let quotient = |value: f64, upper: bool| {
             if (value > 0.0) == upper { value / slowest } else { value / fastest }
@@ -274,7 +274,7 @@ impl Shadow {
             high: (t_mid + quotient(-gap.low, true)).min(extent.high),
         };
         let rounding = 1e-9 * (self.radius + depth.low.abs());
-        (depth.low <= depth.high + rounding).then(|| widened(depth, ask.allowance.depth + rounding))
+        (depth.low <= depth.high + rounding).then(|| depth.widened(ask.allowance.depth + rounding))
     }
 
     /// A contact of a ball with a vertex that sticks out.
@@ -306,7 +306,7 @@ impl Shadow {
             high: along.high - radius * incidence.high.min(FRAC_PI_2).cos(),
         };
         let rounding = 1e-9 * (self.radius + depth.low.abs());
-        let depth = widened(depth, ask.allowance.depth + rounding);
+        let depth = depth.widened(ask.allowance.depth + rounding);
         let touchable = self.model.vertices[number].normals.is_some();
         let fault = if touchable {
             (incidence.high > ask.sensor.max_incidence).then_some(Fault::Skid)
@@ -337,11 +337,11 @@ impl Shadow {
             let mut depth = f64::NEG_INFINITY;
             for number in faces {
                 let [start, end] = self.ends[number].map(|vertex| seen[vertex]);
-                let reach = hull(start.aside, end.aside);
+                let reach = start.aside.hull(end.aside);
                 if reach.low > ask.allowance.aside || reach.high < -ask.allowance.aside {
                     continue;
                 }
-                if hull(start.along, end.along).low <= 0.0 {
+                if start.along.hull(end.along).low <= 0.0 {
                     return None;
                 }
                 let normals = Arc::around(cell.normals[number].1, cell.half + ask.allowance.angle);
@@ -349,7 +349,7 @@ impl Shadow {
                     let range = self.face_depth(cell, [start, end], number, 0.0, ask);
                     depth = range.map_or(depth, |range| depth.max(range.high));
                 } else if !self.model.closed {
-                    depth = depth.max(hull(start.along, end.along).high + ask.allowance.depth);
+                    depth = depth.max(start.along.hull(end.along).high + ask.allowance.depth);
                 }
             }
             depth.is_finite().then_some(depth - ask.sensor.tip_radius)
@@ -408,7 +408,7 @@ fn met_by_vertex(Seen { along, aside }: &Seen, ask: &Question<'_>) -> Option<f64
 fn add(touches: &mut Vec<Touch>, one: &Possible) {
     match touches.iter_mut().find(|touch| touch.feature == one.feature) {
         Some(touch) => {
-            touch.depth = hull(touch.depth, one.depth);
+            touch.depth = touch.depth.hull(one.depth);
             touch.normals = around_both(touch.normals, one.normals);
         }
         None => touches.push(Touch { feature: one.feature, depth: one.depth, normals: one.normals }),
@@ -421,14 +421,6 @@ fn around_both(a: Arc, b: Arc) -> Arc {
     let low = (-a.half_width()).min(offset - b.half_width());
     let high = a.half_width().max(offset + b.half_width());
     if high - low >= TAU { Arc::FULL } else { Arc { start: a.middle() + low, width: high - low } }
-}
-
-fn widened(range: Range, by: f64) -> Range {
-    Range { low: range.low - by, high: range.high + by }
-}
-
-fn hull(a: Range, b: Range) -> Range {
-    Range { low: a.low.min(b.low), high: a.high.max(b.high) }
 }
 
 /// How far a radius moves a face along `direction`: as its normal, which turns by up to `half`, has it.

@@ -1,10 +1,7 @@
 //! Lines, and what a tip on one meets first at one pose.
 
-use arrayvec::ArrayVec;
 use glam::DVec2;
 
-use super::distance::to_segment;
-use super::free::{inside, solid};
 use super::model::{Face, Model, Surface};
 use super::pose::Pose;
 use crate::Feature;
@@ -70,21 +67,27 @@ impl Model {
             start: model_from_world.apply(line.start),
             direction: model_from_world.rotation.rotate(line.direction),
         };
-        let of_faces = self.faces.iter().enumerate().flat_map(|(k, face)| {
-            let met = self.first_on_face(face, &line, tip_radius);
-            met.into_iter()
-                .map(move |(depth, normal)| (depth, normal, Feature::Face(k as u32), normal == face.normal))
-        });
+        let mut first: Option<(f64, DVec2, Feature, bool)> = None;
+        let mut take = |depth: f64, normal: DVec2, feature: Feature, front: bool| {
+            if depth >= 0.0 && first.is_none_or(|known| depth < known.0) {
+                first = Some((depth, normal, feature, front));
+            }
+        };
+        for (k, face) in self.faces.iter().enumerate().filter(|(_, face)| face.surface != Surface::Seam) {
+            // Both sides of a loose face can be met.
+            for (normal, front) in [(face.normal, true), (-face.normal, false)] {
+                if (front || !self.closed)
+                    && let Some(depth) = depth_on_face(face, normal, &line, tip_radius)
+                {
+                    take(depth, normal, Feature::Face(k as u32), front);
+                }
+            }
+        }
         // A point meets no vertex by itself.
         let vertices = if tip_radius > 0.0 { self.vertices.as_slice() } else { &[] };
-        let of_vertices = vertices.iter().enumerate().filter_map(|(k, vertex)| {
-            let (depth, normal) = first_on_vertex(vertex.point, &line, tip_radius)?;
-            Some((depth, normal, Feature::Vertex(k as u32), true))
-        });
-        let mut first: Option<(f64, DVec2, Feature, bool)> = None;
-        for met in of_faces.chain(of_vertices).filter(|met| met.0 >= 0.0) {
-            if first.is_none_or(|known| met.0 < known.0) {
-                first = Some(met);
+        for (k, vertex) in vertices.iter().enumerate() {
+            if let Some((depth, normal)) = first_on_vertex(vertex.point, &line, tip_radius) {
+                take(depth, normal, Feature::Vertex(k as u32), true);
             }
         }
         first.map(|(depth, normal, feature, front)| FirstContact {
@@ -98,31 +101,7 @@ impl Model {
     /// The distance of a point from the part: negative inside, if it is closed.
     #[must_use]
     pub fn distance(&self, world_from_model: Pose, point_world: DVec2) -> f64 {
-        let point = world_from_model.inverse().apply(point_world);
-        let distances = solid(self).map(|face| to_segment(point, [face.start, face.end]));
-        let distance = distances.fold(f64::INFINITY, f64::min);
-        if inside(self, point) { -distance } else { distance }
-    }
-
-    /// Depth and normal; two where both sides of a loose face are met, which is at its ends.
-    fn first_on_face(&self, face: &Face, line: &Line, radius: f64) -> ArrayVec<(f64, DVec2), 2> {
-        let mut met = ArrayVec::new();
-        if face.surface == Surface::Seam {
-            return met;
-        }
-        let sides = if self.closed { 1 } else { 2 };
-        for normal in [face.normal, -face.normal].into_iter().take(sides) {
-            let speed = normal.dot(line.direction);
-            if speed >= 0.0 {
-                continue;
-            }
-            let [start, end] = [face.start, face.end].map(|at| at + radius * normal);
-            let (a, b) = (line.coordinates(start).1, line.coordinates(end).1);
-            if a.min(b) <= 0.0 && a.max(b) >= 0.0 {
-                met.push((normal.dot(start - line.start) / speed, normal));
-            }
-        }
-        met
+        self.signed_distance(world_from_model.inverse().apply(point_world))
     }
 
     fn can_be_touched(&self, feature: Feature) -> bool {
@@ -133,10 +112,21 @@ impl Model {
     }
 }
 
+/// How deep a round tip meets a face from the side of this normal.
+fn depth_on_face(face: &Face, normal: DVec2, line: &Line, radius: f64) -> Option<f64> {
+    let speed = normal.dot(line.direction);
+    if speed >= 0.0 {
+        return None;
+    }
+    let [start, end] = [face.start, face.end].map(|at| at + radius * normal);
+    let (a, b) = (line.coordinates(start).1, line.coordinates(end).1);
+    (a.min(b) <= 0.0 && a.max(b) >= 0.0).then(|| normal.dot(start - line.start) / speed)
+}
+
 /// Depth and normal of a round tip at a corner.
 fn first_on_vertex(point: DVec2, line: &Line, radius: f64) -> Option<(f64, DVec2)> {
     let (along, aside) = line.coordinates(point);
-    (radius > 0.0 && aside.abs() <= radius).then(|| {
+    (aside.abs() <= radius).then(|| {
         let depth = along - (radius * radius - aside * aside).sqrt();
         (depth, (line.at(depth) - point) / radius)
     })

@@ -13,6 +13,7 @@ use glam::DVec2;
 use super::whole;
 use crate::plane::Surface;
 use crate::plane::arc::wrap;
+use crate::plane::distance::to_segment;
 use crate::plane::scene::Scene;
 use crate::plane::shadow::convex_hull;
 
@@ -278,10 +279,8 @@ fn distance(polygon: &[DVec2], point: DVec2) -> f64 {
     let mut nearest = f64::INFINITY;
     for (k, &a) in polygon.iter().enumerate() {
         let b = polygon[(k + 1) % polygon.len()];
-        let (side, offset) = (b - a, point - a);
-        inside &= side.perp_dot(offset) >= 0.0;
-        let share = if side == DVec2::ZERO { 0.0 } else { offset.dot(side) / side.length_squared() };
-        nearest = nearest.min(point.distance(a + share.clamp(0.0, 1.0) * side));
+        inside &= (b - a).perp_dot(point - a) >= 0.0;
+        nearest = nearest.min(to_segment(point, [a, b]));
     }
     if inside { 0.0 } else { nearest }
 }

@@ -11,7 +11,7 @@ use std::sync::Arc as Shared;
 
 use rayon::prelude::*;
 
-use super::views::{Frame, Known, Look, Relation, View};
+use super::views::{Frame, Known, Look, Pair, View};
 use crate::best::Best;
 use crate::plan::PlanSettings;
 use crate::plane::Line;
@@ -46,7 +46,7 @@ pub(crate) struct Proof {
 
 /// An interval of directions and one of places across, about the middle of the scene.
 #[derive(Debug, Clone)]
-pub(crate) struct Lines {
+pub(crate) struct LineBox {
     pub angle: f64,
     pub half: f64,
     pub aside: f64,
@@ -91,7 +91,7 @@ struct Shown {
     /// Of each view of each member; empty: nothing.
     known: Vec<Known>,
     /// Of pairs of members, the larger place first; empty: nothing.
-    relations: Vec<Relation>,
+    pairs: Vec<Pair>,
 }
 
 /// Searches all lines for one that is better than `best`.
@@ -112,7 +112,7 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
         if closed || best.enough(settings.stop) || num_boxes >= settings.effort || late() {
             return Proof { bound: score(least), proved: closed && outside, num_boxes };
         }
-        let batch: Vec<Lines> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
+        let batch: Vec<LineBox> = std::iter::from_fn(|| open.pop()).take(BATCH).collect();
         num_boxes += batch.len() as u64;
         let enough = best.num_left();
         let found: Vec<Found> =
@@ -126,7 +126,7 @@ pub(crate) fn complete(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn 
                 Found::AtLeast(left, shown) => {
                     for part in lines.halves(scene) {
                         let shown = Shared::clone(&shown);
-                        open.push(Lines { left, number: next_number, shown, ..part });
+                        open.push(LineBox { left, number: next_number, shown, ..part });
                         next_number += 1;
                     }
                 }
@@ -141,11 +141,11 @@ enum Found {
     Nothing,
     /// Its middle, as good as any line of margin ≥ m in it.
     Line(Line),
-    /// Lines that leave so much, at least; and what they may meet.
+    /// Every line of it leaves so much, at least; and what they may meet.
     AtLeast(usize, Shared<Shown>),
 }
 
-fn examine(scene: &Scene, members: &[usize], views: &Views, lines: &Lines, enough: usize) -> Found {
+fn examine(scene: &Scene, members: &[usize], views: &Views, lines: &LineBox, enough: usize) -> Found {
     if lines.left >= enough {
         return Found::Nothing;
     }
@@ -156,15 +156,15 @@ fn examine(scene: &Scene, members: &[usize], views: &Views, lines: &Lines, enoug
     if !lines.is_smallest(scene) {
         return Found::AtLeast(left, Shared::new(shown));
     }
-    let joined = |j: usize, k: usize| shown.relations[k * members.len() + j] == Relation::Joined;
+    let joined = |j: usize, k: usize| shown.pairs[k * members.len() + j] == Pair::Joined;
     let better = |line: &Line| scene.leaves_fewer(line, members, enough, joined);
     scene.line(lines.angle, lines.aside).filter(better).map_or(Found::Nothing, Found::Line)
 }
 
 /// All lines that are allowed.
-fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<Lines> {
+fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<LineBox> {
     let (angles, half) = scene.directions(FIRST_DIRECTIONS);
-    let interval = |(number, angle): (u64, f64)| Lines {
+    let interval = |(number, angle): (u64, f64)| LineBox {
         angle,
         half,
         aside: 0.0,
@@ -176,7 +176,7 @@ fn first_boxes(scene: &Scene, left: usize) -> BinaryHeap<Lines> {
     (0..).zip(angles).map(interval).collect()
 }
 
-impl Lines {
+impl LineBox {
     /// How far a point at `radius` from the middle is moved, seen from the line, from one line of the box to its middle.
     fn motion(&self, radius: f64) -> f64 {
         self.reach + 2.0 * (0.5 * self.half).sin() * radius
@@ -202,15 +202,15 @@ impl Lines {
 
 /// Pairs that every usable line of the box leaves at least, or `enough`, and what is then known of it; `None` if no line of
 /// it can be used.
-fn least_left(scene: &Scene, views: &Views, lines: &Lines, enough: usize) -> Option<(usize, Shown)> {
+fn least_left(scene: &Scene, views: &Views, lines: &LineBox, enough: usize) -> Option<(usize, Shown)> {
     let frame = Frame::new(scene, lines);
     let most = views.of.iter().map(Vec::len).max().unwrap_or(0);
     let mut looks: Vec<Look> = views.of.iter().map(|_| Look::default()).collect();
     let mut known = vec![Known::Nothing; views.of.len() * most];
-    let mut relations = lines.shown.relations.clone();
-    relations.resize(views.of.len() * views.of.len(), Relation::Open);
-    let mut left = views.of.len() + 2 * relations.iter().filter(|one| **one == Relation::Joined).count();
-    let mut apart = vec![true; relations.len()];
+    let mut pairs = lines.shown.pairs.clone();
+    pairs.resize(views.of.len() * views.of.len(), Pair::Open);
+    let mut left = views.of.len() + 2 * pairs.iter().filter(|one| **one == Pair::Joined).count();
+    let mut apart = vec![true; pairs.len()];
     let is_coarse = lines.motion(scene.radius) > COARSE * views.extent;
     let count = if is_coarse { most.min(COARSE_VIEWS) } else { most };
     for number in 0..count {
@@ -223,14 +223,14 @@ fn least_left(scene: &Scene, views: &Views, lines: &Lines, enough: usize) -> Opt
             }
             for (j, other) in looks.iter().enumerate().filter(|(j, _)| *j != k) {
                 let pair = k.max(j) * views.of.len() + k.min(j);
-                if relations[pair] != Relation::Open {
+                if pairs[pair] != Pair::Open {
                     continue;
                 }
-                match other.relation(&glance, &frame) {
-                    Relation::Apart => {}
-                    Relation::Open => apart[pair] = false,
-                    Relation::Joined => {
-                        relations[pair] = Relation::Joined;
+                match other.pair(&glance, &frame) {
+                    Pair::Apart => {}
+                    Pair::Open => apart[pair] = false,
+                    Pair::Joined => {
+                        pairs[pair] = Pair::Joined;
                         left += 2;
                         if left >= enough {
                             return Some((left, Shown::default()));
@@ -242,29 +242,30 @@ fn least_left(scene: &Scene, views: &Views, lines: &Lines, enough: usize) -> Opt
             looks[k].add(glance);
         }
     }
-    for (relation, apart) in relations.iter_mut().zip(apart) {
-        if apart && !is_coarse && *relation == Relation::Open {
-            *relation = Relation::Apart;
+    for (pair, apart) in pairs.iter_mut().zip(apart) {
+        // A coarse box is not looked at from all views.
+        if apart && !is_coarse && *pair == Pair::Open {
+            *pair = Pair::Apart;
         }
     }
-    Some((left, Shown { known, relations }))
+    Some((left, Shown { known, pairs }))
 }
 
-impl PartialEq for Lines {
+impl PartialEq for LineBox {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Lines {}
+impl Eq for LineBox {}
 
-impl PartialOrd for Lines {
+impl PartialOrd for LineBox {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Lines {
+impl Ord for LineBox {
     /// The box that may leave least is on top; of these, the one divided last.
     fn cmp(&self, other: &Self) -> Ordering {
         other.left.cmp(&self.left).then(self.number.cmp(&other.number))

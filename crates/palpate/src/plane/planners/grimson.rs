@@ -263,10 +263,9 @@ impl Span {
     }
 
     fn joined(&self, other: &Self) -> Self {
-        let hull = |a: Range, b: Range| Range { low: a.low.min(b.low), high: a.high.max(b.high) };
         Self {
-            depth: hull(self.depth, other.depth),
-            turn: hull(self.turn, other.turn),
+            depth: self.depth.hull(other.depth),
+            turn: self.turn.hull(other.turn),
             hits: self.hits || other.hits,
             misses: self.misses || other.misses,
         }

@@ -189,7 +189,7 @@ impl ProjectionSpace {
                 image.high >= inner.high - self.near && image.low < inner.high - self.clearance,
             ];
             for (overlap, _) in shared.iter_mut().zip(at_ends).filter(|(_, at_end)| *at_end) {
-                overlap.positions = intersection(overlap.positions, image);
+                overlap.positions = overlap.positions.intersection(image);
                 overlap.sheaves.push(number);
             }
         }
@@ -240,7 +240,7 @@ impl Sheaf {
     #[must_use]
     pub fn inner(&self, slope: f64) -> Range {
         let [a, b] = self.images(slope);
-        intersection(a, b)
+        a.intersection(b)
     }
 
     /// The outer projection (3.3.1): from the first to the last of the images at the two extreme poses.
@@ -265,8 +265,4 @@ impl Sheaf {
         let away = |placed: &Placed| wrap(placed.normal.to_angle() - back).abs();
         self.extremes.iter().any(|placed| away(placed) > self.max_incidence)
     }
-}
-
-fn intersection(a: Range, b: Range) -> Range {
-    Range { low: a.low.max(b.low), high: a.high.min(b.high) }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use arrayvec::ArrayVec;
 use glam::DVec2;
 
-use super::complete::Lines;
+use super::complete::LineBox;
 use crate::plane::model::{Face, Surface};
 use crate::plane::pose::Pose;
 use crate::plane::scene::Scene;
@@ -23,7 +23,7 @@ pub(crate) enum Known {
 
 /// What the views of two members say on every line of a box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Relation {
+pub(crate) enum Pair {
     #[default]
     Open,
     /// Not told apart by any line of margin ≥ m.
@@ -104,7 +104,7 @@ pub(crate) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    pub fn new(scene: &'a Scene, lines: &Lines) -> Self {
+    pub fn new(scene: &'a Scene, lines: &LineBox) -> Self {
         let along = DVec2::from_angle(lines.angle);
         let angle_margin = scene.margin / scene.size;
         let skid = (scene.sensor.max_incidence - angle_margin).max(0.0) + lines.half;
@@ -207,42 +207,42 @@ impl Look {
     }
 
     /// What the views so far and one more say of the two members on every line of the box.
-    pub fn relation(&self, glance: &Glance, frame: &Frame<'_>) -> Relation {
+    pub fn pair(&self, glance: &Glance, frame: &Frame<'_>) -> Pair {
         match glance {
-            Glance::Unsure => Relation::Open,
-            Glance::Missed if self.missed => Relation::Joined,
-            Glance::Missed => self.or_open(Relation::Apart),
+            Glance::Unsure => Pair::Open,
+            Glance::Missed if self.missed => Pair::Joined,
+            Glance::Missed => self.or_open(Pair::Apart),
             Glance::Met(met) => {
                 let near = |Meeting { depth, .. }: &Meeting| {
                     depth.low - self.depths.high <= frame.alike_depth
                         && self.depths.low - depth.high <= frame.alike_depth
                 };
                 if !met.iter().any(near) {
-                    return self.or_open(Relation::Apart);
+                    return self.or_open(Pair::Apart);
                 }
-                let mut relation = Relation::Apart;
+                let mut pair = Pair::Apart;
                 for others in &self.met {
                     let mut all = true;
                     for (a, b) in met.iter().flat_map(|a| others.iter().map(move |b| (a, b))) {
                         if frame.may_be_alike(a, b) {
-                            relation = Relation::Open;
+                            pair = Pair::Open;
                             all = all && frame.alike(a, b);
                         } else {
                             all = false;
                         }
                     }
                     if all {
-                        return Relation::Joined;
+                        return Pair::Joined;
                     }
                 }
-                self.or_open(relation)
+                self.or_open(pair)
             }
         }
     }
 
-    /// A view of which nothing is certain leaves the relation open.
-    fn or_open(&self, relation: Relation) -> Relation {
-        if self.unsure { Relation::Open } else { relation }
+    /// A view of which nothing is certain leaves the pair open.
+    fn or_open(&self, pair: Pair) -> Pair {
+        if self.unsure { Pair::Open } else { pair }
     }
 }
 
