@@ -179,7 +179,10 @@ def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: in
         return pose_of(text, "--pose")
     random = np.random.default_rng([seed, 1])
     room = ROOM * model.size + 2.0 * sensor.tip_radius + sensor.path_error
-    return random_pose(model, workspace, room=room, random=random)
+    try:
+        return random_pose(model, workspace, room=room, random=random)
+    except ValueError as error:
+        raise ValueError(f"--{error}") from None
 
 
 def _verdict(result: Result, truth: Model, world_from_truth: Array) -> str:
