@@ -6,7 +6,6 @@ import re
 import xml.etree.ElementTree as Xml
 from pathlib import Path
 
-import numpy as np
 import pytest
 from test_cli import validate
 
@@ -118,12 +117,6 @@ def test_table_4_4_accounts_for_the_whole_way(tmp_path):
         row = drill.task(number, **EXPERIMENTS["table-4.4"].settings)
         assert math.isclose((row["initial_data"] + row["execution"]) * drill.SPEED, result.travel)
         assert row["kept"] and row["truth"] == truths[0]
-
-
-def test_a_part_without_room_is_told():
-    (model,) = palpate.load_models(["drill-left"])
-    with pytest.raises(ValueError, match="drill-left"):
-        drill.random_pose(model, np.array([[0.0, 0.0], [50.0, 50.0]]), np.random.default_rng(0))
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ from casting import Placed
 from conftest import pose, usual_sensor
 
 import palpate
+from palpate.probe import random_pose
 
 PARTS = palpate.load_models(list(palpate.part_names()))
 RADII = (0.0, 3.0)
@@ -304,3 +305,14 @@ def test_bad_moves(start, end, message):
         probe.touch(start, end)
     with pytest.raises(ValueError, match="points"):
         probe.move([(0, 0, 0)])
+
+
+def test_random_poses_lie_in_the_workspace_and_leave_room():
+    (model,) = palpate.load_models(["drill-left"])
+    random, corners = np.random.default_rng(0), np.array([[-100.0, -20.0], [60.0, 180.0]])
+    for _ in range(200):
+        pose = random_pose(model, corners, room=3.0, random=random)
+        placed = model.vertices @ pose[:2, :2].T + pose[:2, 2]
+        assert (placed >= corners[0] + 3.0 - 1e-9).all() and (placed <= corners[1] - 3.0 + 1e-9).all()
+    with pytest.raises(ValueError, match="workspace: 'drill-left' has no room in it"):
+        random_pose(model, np.array([[0.0, 0.0], [50.0, 50.0]]), room=0.0, random=random)
