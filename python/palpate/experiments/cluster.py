@@ -120,7 +120,7 @@ def _next(client: Client, waiting: deque[tuple[int, Future]]) -> tuple[int, Row]
             return number, future.result(timeout=1.0)
         except TimeoutError:
             if future.done():
-                raise  # the task's own
+                return number, future.result()  # it has just ended, or the error is the task's own
             if client.status == "closed":
                 raise _lost("the connection to the scheduler is lost") from None
             if client.nthreads():
