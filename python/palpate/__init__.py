@@ -40,6 +40,7 @@ from ._core import plan_tree as plan_tree
 from ._core import projection_space as projection_space
 from ._core import recognize as recognize
 from ._core import verification_path as verification_path
+from ._core import verification_report as verification_report
 from .contacts import Evidence as Evidence
 from .contacts import read_contacts as read_contacts
 from .contacts import write_contacts as write_contacts

@@ -45,6 +45,7 @@ __all__ = [
     "projection_space",
     "recognize",
     "verification_path",
+    "verification_report",
 ]
 
 __version__: Final[str]
@@ -799,8 +800,11 @@ def verification_path(
     hypothesis: Hypothesis,
     sensor: Sensor,
     *,
+    line: tuple[ArrayLike, ArrayLike] | None = None,
     workspace: ArrayLike | None = None,
     directions: tuple[ArrayLike, float] | None = None,
+    time_limit: float | None = None,
+    effort: int | None = None,
     features: Sequence[str] | None = None,
     margin: float = 1e-3,
     seed: int = 0,
@@ -813,8 +817,11 @@ def verification_path(
     Args:
         hypothesis: The hypothesis.
         sensor: As for `plan`.
+        line: A start and a direction, as of a path: this line alone is tried. That of a path gives the path again.
         workspace: As for `plan`.
         directions: As for `plan`.
+        time_limit: As for `plan`.
+        effort: So many times a line is judged, with one margin or another; the most promising lines are judged first.
         features: As for `plan`.
         margin: As for `plan`.
         seed: As for `plan`.
@@ -823,7 +830,39 @@ def verification_path(
         The path; None if none of those that are tried surely touches.
 
     Raises:
-        ValueError: Not a hypothesis, a number out of range.
+        ValueError: Not a hypothesis, another shape, a number out of range.
+    """
+
+def verification_report(
+    hypothesis: Hypothesis,
+    sensor: Sensor,
+    *,
+    workspace: ArrayLike | None = None,
+    directions: tuple[ArrayLike, float] | None = None,
+    time_limit: float | None = None,
+    effort: int | None = None,
+    features: Sequence[str] | None = None,
+    margin: float = 1e-3,
+    seed: int = 0,
+) -> PlanReport:
+    """The path of `verification_path`, and whether the search for it was cut short.
+
+    `PlanReport.why`: `"searched"`, all lines that are tried were looked at; `"time"` or `"effort"`, not all were. Nothing is
+    proved of other lines.
+
+    Args:
+        hypothesis: As for `verification_path`.
+        sensor: As for `plan`.
+        workspace: As for `plan`.
+        directions: As for `plan`.
+        time_limit: As for `plan`.
+        effort: As for `verification_path`.
+        features: As for `plan`.
+        margin: As for `plan`.
+        seed: As for `plan`.
+
+    Raises:
+        ValueError: As for `verification_path`.
     """
 
 @final

@@ -568,8 +568,11 @@ that may be shifted farthest: `Path.margin` says how far.
 Args:
     hypothesis: The hypothesis.
     sensor: As for `plan`.
+    line: A start and a direction, as of a path: this line alone is tried. That of a path gives the path again.
     workspace: As for `plan`.
     directions: As for `plan`.
+    time_limit: As for `plan`.
+    effort: So many times a line is judged, with one margin or another; the most promising lines are judged first.
     features: As for `plan`.
     margin: As for `plan`.
     seed: As for `plan`.
@@ -578,7 +581,27 @@ Returns:
     The path; None if none of those that are tried surely touches.
 
 Raises:
-    ValueError: Not a hypothesis, a number out of range."
+    ValueError: Not a hypothesis, another shape, a number out of range."
+    };
+    ("verification_report") => {
+        r#"The path of `verification_path`, and whether the search for it was cut short.
+
+`PlanReport.why`: `"searched"`, all lines that are tried were looked at; `"time"` or `"effort"`, not all were. Nothing is
+proved of other lines.
+
+Args:
+    hypothesis: As for `verification_path`.
+    sensor: As for `plan`.
+    workspace: As for `plan`.
+    directions: As for `plan`.
+    time_limit: As for `plan`.
+    effort: As for `verification_path`.
+    features: As for `plan`.
+    margin: As for `plan`.
+    seed: As for `plan`.
+
+Raises:
+    ValueError: As for `verification_path`."#
     };
     ("PlanReport") => {
         r"A planner's answer, and what it knows of the paths that it did not find."

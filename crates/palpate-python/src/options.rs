@@ -204,20 +204,19 @@ fn directions(value: &Any<'_>) -> PyResult<(glam::DVec2, f64)> {
 
 /// Lines, each a start and a direction.
 fn lines(argument: &str, value: &Any<'_>) -> PyResult<Vec<Line>> {
-    let remedy = "give [(path.start, path.direction), ...]";
-    let line = |(k, pair): (usize, &Any<'_>)| {
-        let place = format!("{argument}[{k}]");
-        let ends = members(&place, pair, "a start and a direction", remedy)?;
-        let [start, direction] = ends.as_slice() else {
-            return Err(refuse(&place, "must be a start and a direction", pair, remedy));
-        };
-        let (start, direction) = (
-            vector(&format!("{place}[0]"), start)?,
-            crate::convert::direction(&format!("{place}[1]"), direction)?,
-        );
-        Ok(Line { start, direction })
+    let listed = members(argument, value, "lines", "give [(path.start, path.direction), ...]")?;
+    listed.iter().enumerate().map(|(k, pair)| line(&format!("{argument}[{k}]"), pair)).collect()
+}
+
+/// A start and a direction.
+pub(crate) fn line(argument: &str, value: &Any<'_>) -> PyResult<Line> {
+    let remedy = "give (path.start, path.direction)";
+    let ends = members(argument, value, "a start and a direction", remedy)?;
+    let [start, direction] = ends.as_slice() else {
+        return Err(refuse(argument, "must be a start and a direction", value, remedy));
     };
-    members(argument, value, "lines", remedy)?.iter().enumerate().map(line).collect()
+    let start = vector(&format!("{argument}[0]"), start)?;
+    Ok(Line { start, direction: crate::convert::direction(&format!("{argument}[1]"), direction)? })
 }
 
 fn time_limit(value: &Any<'_>) -> PyResult<Duration> {

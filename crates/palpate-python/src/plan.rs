@@ -1,14 +1,14 @@
 //! The next path.
 
 use palpate::plane::Line;
-use palpate::{Hypothesis, Plan, Why};
+use palpate::{Hypothesis, Plan, Verification, Why};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::{number, raise, refuse, vector};
 use crate::hypothesis::PyHypothesis;
 use crate::interrupt::interruptible;
-use crate::options::{JUDGED, Options, PLACED, REMEMBERED, SEARCHED};
+use crate::options::{JUDGED, Options, PLACED, REMEMBERED, SEARCHED, line};
 use crate::path::PyPath;
 use crate::recognize::all;
 use crate::sensor::PySensor;
@@ -28,6 +28,13 @@ pub(crate) fn hypotheses(value: &Any<'_>) -> PyResult<Vec<Hypothesis>> {
     let remedy = "give found.hypotheses of a recognition";
     let given = all::<PyHypothesis>("hypotheses", value, "Hypothesis", remedy)?;
     Ok(given.iter().map(|one| one.get().hypothesis.clone()).collect())
+}
+
+fn hypothesis(value: &Any<'_>) -> PyResult<Hypothesis> {
+    match value.cast::<PyHypothesis>() {
+        Ok(one) => Ok(one.get().hypothesis.clone()),
+        Err(_) => Err(refuse("hypothesis", "must be a Hypothesis", value, "give one of found.hypotheses")),
+    }
 }
 
 pub(crate) fn sensor(value: &Any<'_>) -> PyResult<palpate::Sensor> {
@@ -112,24 +119,53 @@ pub(crate) fn judge<'py>(
 #[doc = doc!("verification_path")]
 #[pyfunction]
 #[pyo3(
-    signature = (hypothesis, sensor, **options),
-    text_signature = "(hypothesis, sensor, *, workspace=None, directions=None, features=None, margin=0.001, seed=0)"
+    signature = (hypothesis, sensor, *, line=None, **options),
+    text_signature = "(hypothesis, sensor, *, line=None, workspace=None, directions=None, time_limit=None, effort=None, features=None, margin=0.001, seed=0)"
 )]
 pub(crate) fn verification_path<'py>(
     py: Python<'py>,
     hypothesis: &Any<'py>,
     sensor: &Any<'py>,
+    line: Option<&Any<'py>>,
     options: Option<&Bound<'py, PyDict>>,
-) -> PyResult<Option<PyPath>> {
-    let known: &[&[&str]] = &[PLACED, &["features", "margin", "seed"]];
-    let options = Options::read("verification_path", options, known)?;
-    let Ok(one) = hypothesis.cast::<PyHypothesis>() else {
-        let remedy = "give one of found.hypotheses";
-        return Err(refuse("hypothesis", "must be a Hypothesis", hypothesis, remedy));
+) -> PyResult<Option<Py<PyPath>>> {
+    let options = Options::read("verification_path", options, VERIFIED)?;
+    let Some(line) = line else {
+        return verified(py, hypothesis, sensor, &options).map(|report| report.path);
     };
-    let (one, sensor) = (&one.get().hypothesis, self::sensor(sensor)?);
-    let path = py.detach(|| palpate::verification_path(one, &sensor, &options.settings)).map_err(raise)?;
-    Ok(path.map(|path| PyPath::new(path, sensor.tip_radius)))
+    let (one, sensor, line) =
+        (self::hypothesis(hypothesis)?, self::sensor(sensor)?, self::line("line", line)?);
+    let path = py.detach(|| palpate::verification_along(&one, &sensor, line, &options.settings));
+    path.map_err(raise)?.map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()
+}
+
+#[doc = doc!("verification_report")]
+#[pyfunction]
+#[pyo3(
+    signature = (hypothesis, sensor, **options),
+    text_signature = "(hypothesis, sensor, *, workspace=None, directions=None, time_limit=None, effort=None, features=None, margin=0.001, seed=0)"
+)]
+pub(crate) fn verification_report<'py>(
+    py: Python<'py>,
+    hypothesis: &Any<'py>,
+    sensor: &Any<'py>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<PyPlanReport> {
+    verified(py, hypothesis, sensor, &Options::read("verification_report", options, VERIFIED)?)
+}
+
+const VERIFIED: &[&[&str]] = &[PLACED, &["time_limit", "effort", "features", "margin", "seed"]];
+
+fn verified(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) -> PyResult<PyPlanReport> {
+    let (one, sensor) = (hypothesis(given)?, sensor(with)?);
+    let (settings, deadline) = (&options.settings, options.deadline());
+    let found = interruptible(py, |halt| {
+        palpate::verification_until(&one, &sensor, settings, &|| deadline.late(halt))
+    })?;
+    let Verification { path, why, num_judged } = found.map_err(raise)?;
+    let plan = Plan { path, bound: 1.0, proved: false, num_judged, num_boxes: 0, counters: None };
+    let path = plan.path.clone().map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()?;
+    Ok(PyPlanReport { plan, path, why })
 }
 
 #[pymethods]

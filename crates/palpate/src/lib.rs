@@ -22,8 +22,8 @@ pub mod tree;
 pub mod why;
 
 pub use ambiguity::{
-    AmbiguityTree, Answers, Branch, Node, Status, TreeMethod, TreeSettings, plan_tree, plan_tree_until,
-    verification_path,
+    AmbiguityTree, Answers, Branch, Node, Status, TreeMethod, TreeSettings, Verification, plan_tree,
+    plan_tree_until, verification_along, verification_path, verification_until,
 };
 pub use contact::{Contact, Evidence, Miss, Normal, Prior};
 pub use error::Error;

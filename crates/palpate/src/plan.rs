@@ -181,6 +181,17 @@ pub fn judge(
     settings: &PlanSettings,
 ) -> Result<Path, Error> {
     check(hypotheses, sensor, settings)?;
+    if let Some(length) = length.filter(|length| !(length.is_finite() && *length > 0.0)) {
+        let remedy = "leave it out to go past the last possible contact";
+        return Err(Error::new("length", "must be above zero and finite", length, remedy));
+    }
+    let scene = Scene::new(hypotheses, sensor, settings);
+    let line = checked_line(line, scene.size)?;
+    Ok(judged(&scene, &scene.everyone(), &line, length))
+}
+
+/// A line of the caller's, its direction made unit, among parts of this size.
+pub(crate) fn checked_line(line: Line, size: f64) -> Result<Line, Error> {
     let Some(direction) = unit(line.direction).filter(|_| line.start.is_finite()) else {
         return Err(Error::new(
             "direction",
@@ -189,14 +200,8 @@ pub fn judge(
             "give a direction, of any length",
         ));
     };
-    if let Some(length) = length.filter(|length| !(length.is_finite() && *length > 0.0)) {
-        let remedy = "leave it out to go past the last possible contact";
-        return Err(Error::new("length", "must be above zero and finite", length, remedy));
-    }
-    let scene = Scene::new(hypotheses, sensor, settings);
-    let line = Line { direction, ..line };
-    check_reach("start", &line.start.to_array(), scene.size)?;
-    Ok(judged(&scene, &scene.everyone(), &line, length))
+    check_reach("start", &line.start.to_array(), size)?;
+    Ok(Line { direction, ..line })
 }
 
 /// Made unit, whatever its length, but zero.

@@ -71,7 +71,8 @@ def identify(  # noqa: PLR0917 - the four that every call has
         stop: As for `plan`.
         directions: As for `plan`; it holds for scans too.
         margin: As for `plan`.
-        effort: As for `plan`, for each path. A promising path that a quick look finds is taken at once.
+        effort: As for `plan` and `verification_report`, for each path. A promising path that a quick look
+            finds is taken at once.
         time_limit: Seconds, for each path.
         features: As for `plan` and `recognize`.
         max_touches: So many guarded moves are made at most.

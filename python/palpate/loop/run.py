@@ -17,6 +17,7 @@ from palpate._core import (
     judge,
     recognize,
     verification_path,
+    verification_report,
 )
 from palpate.loop.acquire import FINER, Scans, enough, smallest_width
 from palpate.loop.entries import planned_event, recognized_event
@@ -170,11 +171,31 @@ class Run:
         if _is_tight(last, settings.until):
             raise _Ended("solved", "one hypothesis is left, its poses as tight as was asked")
         began = time.perf_counter()
-        path = verification_path(last, settings.sensor, **settings.placed, **settings.judged)
+        path, why = self._plan_verification(last)
         self._seconds["planning"] += time.perf_counter() - began
+        if path is None and why in ("time", "effort"):
+            raise _Ended("budget", "the search for a touch that makes the poses tighter was cut short")
         if path is None:
             raise _Ended("solved", "one hypothesis is left; no touch was found that makes its poses tighter")
         self._touch(path.start, path.end, purpose="verify", path=path)
+
+    def _plan_verification(self, last: Hypothesis) -> tuple[Path | None, str]:
+        """The path, and why it is that one; that of the log, if it has one."""
+        settings = self._settings
+        known = self._journal.peek("planned")
+        if known is None:
+            limits = {"time_limit": settings.time_limit, "effort": settings.effort}
+            report = verification_report(
+                last, settings.sensor, **limits, **settings.placed, **settings.judged
+            )
+            self._journal.record(planned_event(report))
+            return report.path, report.why
+        self._journal.record(known)
+        path = None
+        if known["path"] is not None:
+            line = (known["path"]["start"], known["path"]["direction"])
+            path = verification_path(last, settings.sensor, line=line, **settings.judged)
+        return path, known["why"]
 
     def _tell_apart(self, hypotheses: list[Hypothesis]) -> None:
         """Go along the best path, if it tells anything."""

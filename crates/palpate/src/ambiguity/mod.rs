@@ -22,7 +22,7 @@ use crate::plane::Scene;
 use crate::sensor::Sensor;
 
 pub use relation::{MOST_HYPOTHESES, Optimum, Relation, Set, Value};
-pub use verify::verification_path;
+pub use verify::{Verification, verification_along, verification_path, verification_until};
 
 /// How paths are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,5 +1,6 @@
 //! One more touch of a hypothesis that is thought to be the truth (thesis 6.2).
 
+use std::cmp::Reverse;
 use std::f64::consts::PI;
 
 use glam::DVec2;
@@ -7,9 +8,10 @@ use glam::DVec2;
 use crate::Error;
 use crate::hypothesis::Hypothesis;
 use crate::path::{Path, judged};
-use crate::plan::{PlanSettings, check};
-use crate::plane::{Line, Scene};
+use crate::plan::{PlanSettings, check, checked_line};
+use crate::plane::{Line, Pose, Scene};
 use crate::sensor::Sensor;
+use crate::why::Why;
 
 /// Evenly spaced directions that are tried; those straight at a face come on top.
 const NUM_DIRECTIONS: usize = 72;
@@ -19,6 +21,17 @@ const MOST_STEPS: u32 = 1 << 20;
 
 /// The margin is found to this share of m.
 const STEP: f64 = 0.125;
+
+/// The answer to [`verification_until`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    /// The path; `None`: none of the lines that were judged surely touches.
+    pub path: Option<Path>,
+    /// [`Why::Searched`]: all lines that are tried were looked at. [`Why::Time`], [`Why::Effort`]: it was cut short.
+    pub why: Why,
+    /// How often a line was judged, with one margin.
+    pub num_judged: u64,
+}
 
 /// A path that surely touches the hypothesis where no contact is assigned, of those that were tried the one with the largest
 /// margin: so long as the line is not shifted farther, it is usable and touches. `None`: none of them does.
@@ -30,22 +43,98 @@ pub fn verification_path(
     sensor: &Sensor,
     settings: &PlanSettings,
 ) -> Result<Option<Path>, Error> {
+    verification_until(hypothesis, sensor, settings, &|| false).map(|found| found.path)
+}
+
+/// The best path found before `late` says that time is up, or lines were judged as often as the effort allows.
+///
+/// What a line meets at single poses says how large its margin can be at most. The most promising are judged first, and
+/// none that can't be better than the best.
+///
+/// # Errors
+/// As [`crate::plan()`].
+pub fn verification_until(
+    hypothesis: &Hypothesis,
+    sensor: &Sensor,
+    settings: &PlanSettings,
+    late: &dyn Fn() -> bool,
+) -> Result<Verification, Error> {
+    let scene = scene(hypothesis, sensor, settings)?;
+    let mut promising: Vec<(u32, usize, Line)> = Vec::new();
+    for (number, line) in candidates(&scene).enumerate() {
+        if late() {
+            break;
+        }
+        let most = promise(&scene, &line);
+        if most > 0 {
+            promising.push((most, number, line));
+        }
+    }
+    promising.sort_by_key(|(most, number, _)| (Reverse(*most), *number));
+    let mut best: Option<(u32, usize, Line)> = None;
+    let (mut num_judged, mut why) = (0, Why::Searched);
+    for (most, number, line) in promising {
+        // Of lines with the same margin the first is taken, whatever the order in which they are judged.
+        let needed = best.map_or(1, |(steps, first, _)| steps + u32::from(number > first));
+        if most < needed {
+            if best.is_some_and(|(steps, ..)| most < steps) {
+                break;
+            }
+            continue;
+        }
+        why = if late() {
+            Why::Time
+        } else if num_judged >= settings.effort {
+            Why::Effort
+        } else {
+            Why::Searched
+        };
+        if why != Why::Searched {
+            break;
+        }
+        if !scene.views[0].iter().all(|pose| may_hold(&scene, &line, *pose, margin(&scene, needed))) {
+            continue;
+        }
+        let mut judge = |steps| {
+            num_judged += 1;
+            holds(&scene, &line, steps)
+        };
+        if judge(needed) {
+            best = Some((largest(needed, judge), number, line));
+        }
+    }
+    let why = if late() { Why::Time } else { why };
+    let path = best.map(|(steps, _, line)| verifying(&scene, &line, steps));
+    Ok(Verification { path, why, num_judged })
+}
+
+/// The path of one line; `None` if it can't be used or does not surely touch. The line of a path gives that path again.
+///
+/// # Errors
+/// As [`crate::judge()`].
+pub fn verification_along(
+    hypothesis: &Hypothesis,
+    sensor: &Sensor,
+    line: Line,
+    settings: &PlanSettings,
+) -> Result<Option<Path>, Error> {
+    let scene = scene(hypothesis, sensor, settings)?;
+    let line = checked_line(line, scene.size)?;
+    let judge = |steps| holds(&scene, &line, steps);
+    Ok(judge(1).then(|| verifying(&scene, &line, largest(1, judge))))
+}
+
+fn scene(hypothesis: &Hypothesis, sensor: &Sensor, settings: &PlanSettings) -> Result<Scene, Error> {
     let settings = PlanSettings { avoid_assigned: true, ..settings.clone() };
     let hypotheses = std::slice::from_ref(hypothesis);
     check(hypotheses, sensor, &settings)?;
-    let scene = Scene::new(hypotheses, sensor, &settings);
-    let mut best: Option<(u32, Line)> = None;
-    for line in candidates(&scene) {
-        let known = best.map_or(0, |(steps, _)| steps);
-        if holds(&scene, &line, known + 1) {
-            best = Some((largest(&scene, &line, known + 1), line));
-        }
-    }
-    Ok(best.map(|(steps, line)| {
-        let mut path = judged(&scene, &[0], &line, None);
-        path.margin = margin(&scene, steps);
-        path
-    }))
+    Ok(Scene::new(hypotheses, sensor, &settings))
+}
+
+fn verifying(scene: &Scene, line: &Line, steps: u32) -> Path {
+    let mut path = judged(scene, &[0], line, None);
+    path.margin = margin(scene, steps);
+    path
 }
 
 fn margin(scene: &Scene, steps: u32) -> f64 {
@@ -54,20 +143,40 @@ fn margin(scene: &Scene, steps: u32) -> f64 {
 
 /// Whether the line is usable and surely touches, everything widened by so many steps.
 fn holds(scene: &Scene, line: &Line, steps: u32) -> bool {
-    scene
-        .outcomes(line, &[0], margin(scene, steps))
-        .is_ok_and(|outcomes| outcomes.iter().all(|one| !one.may_miss))
+    scene.surely_touched(line, 0, margin(scene, steps))
+}
+
+/// It holds with no more steps than this: with one more, the first view would break a rule or be missed.
+fn promise(scene: &Scene, line: &Line) -> u32 {
+    let may_hold = |steps| may_hold(scene, line, scene.views[0][0], margin(scene, steps));
+    if may_hold(1) { largest(1, may_hold) } else { 0 }
+}
+
+/// Whether the line and those at either end of its allowance surely touch at one pose, and as the rules want it. It holds for
+/// no hypothesis that has a pose where they don't.
+fn may_hold(scene: &Scene, line: &Line, pose: Pose, margin: f64) -> bool {
+    let model = scene.shadows[0].model();
+    let aside = scene.sensor.path_error + model.position_slack + margin;
+    let steepest = scene.sensor.max_incidence - model.normal_slack - margin / scene.size;
+    [0.0, -aside, aside].into_iter().all(|shift| {
+        let shifted = Line { start: line.start + shift * line.left(), ..*line };
+        scene.contact(0, pose, &shifted).is_some_and(|met| {
+            met.touchable
+                && scene.shadows[0].unwanted(met.feature, scene.rules).is_none()
+                && met.normal.angle_to(-line.direction).abs() <= steepest
+        })
+    })
 }
 
 /// The most steps with which it holds; it does with `low`.
-fn largest(scene: &Scene, line: &Line, mut low: u32) -> u32 {
-    let mut high = 2 * low;
-    while high < MOST_STEPS && holds(scene, line, high) {
-        (low, high) = (high, 2 * high);
+fn largest(mut low: u32, mut holds: impl FnMut(u32) -> bool) -> u32 {
+    let mut high = (2 * low).min(MOST_STEPS);
+    while high < MOST_STEPS && holds(high) {
+        (low, high) = (high, (2 * high).min(MOST_STEPS));
     }
     while high - low > 1 {
         let middle = u32::midpoint(low, high);
-        if holds(scene, line, middle) { low = middle } else { high = middle }
+        if holds(middle) { low = middle } else { high = middle }
     }
     low
 }

@@ -89,6 +89,17 @@ impl Shadow {
     /// The allowance widens everything before nearer contacts hide farther ones, so that with a larger one the outcome only
     /// grows (`docs/theory.md`, T12).
     pub fn outcome(&self, ask: &Question<'_>) -> Outcome {
+        self.outcome_until(ask, |_| false)
+    }
+
+    /// Whether the line is usable and surely touches, at all poses. Looks no further than needed.
+    pub fn surely_touched(&self, ask: &Question<'_>) -> bool {
+        let fails = |outcome: &Outcome| outcome.fault.is_some() || outcome.may_miss;
+        !fails(&self.outcome_until(ask, fails))
+    }
+
+    /// The outcome over the first cells, so many that it is as `enough` wants it.
+    fn outcome_until(&self, ask: &Question<'_>, enough: impl Fn(&Outcome) -> bool) -> Outcome {
         let mut outcome = Outcome::default();
         let mut seen = Vec::with_capacity(self.model.vertices.len());
         for cell in &self.cells {
@@ -106,13 +117,16 @@ impl Shadow {
                     add(&mut outcome.touches, &one);
                 }
             }
+            if enough(&outcome) {
+                break;
+            }
         }
         outcome.touches.sort_by_key(|a| a.feature);
         outcome
     }
 
     /// Whether a first contact on the feature breaks a rule.
-    fn unwanted(&self, feature: Feature, rules: Rules) -> Option<Fault> {
+    pub fn unwanted(&self, feature: Feature, rules: Rules) -> Option<Fault> {
         match feature {
             Feature::Face(number) if rules.avoid_assigned && self.assigned[number as usize] => {
                 Some(Fault::Assigned)

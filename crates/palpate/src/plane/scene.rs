@@ -231,9 +231,18 @@ impl Scene {
 
     /// What a member can answer within a length of the line, everything widened by `margin`.
     pub fn outcome(&self, line: &Line, member: usize, margin: f64, length: f64) -> Outcome {
-        let shadow = &self.shadows[member];
-        let allowance = Allowance::new(&self.sensor, shadow.model(), margin, margin / self.size);
-        shadow.outcome(&Question::new(line, &self.sensor, allowance, self.rules, length))
+        self.shadows[member].outcome(&self.question(line, member, margin, length))
+    }
+
+    /// Whether a line is usable and surely touches a member, everything widened by `margin`.
+    pub fn surely_touched(&self, line: &Line, member: usize, margin: f64) -> bool {
+        self.shadows[member].surely_touched(&self.question(line, member, margin, f64::INFINITY))
+    }
+
+    fn question<'a>(&'a self, line: &'a Line, member: usize, margin: f64, length: f64) -> Question<'a> {
+        let model = self.shadows[member].model();
+        let allowance = Allowance::new(&self.sensor, model, margin, margin / self.size);
+        Question::new(line, &self.sensor, allowance, self.rules, length)
     }
 
     /// Whether a line can be used and leaves fewer than so many pairs of members; `joined` says of two places in `members`
