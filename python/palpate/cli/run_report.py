@@ -74,6 +74,9 @@ def print_result(
     if result.until_met is not None:
         console.print(f"The poses are {'' if result.until_met else 'not '}as tight as was asked.")
     if result.found is not None:
+        if result.found.refuted:
+            refuted = _many(len(result.found.refuted))
+            console.print(f"{refuted} more would explain the contacts, but not what the moves met first.")
         evidence = Evidence(result.contacts, result.misses)
         print_recognition(console, result.found, evidence=evidence, labels=labels, notes=notes, unit=unit)
 

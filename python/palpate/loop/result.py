@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
@@ -45,6 +46,53 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
+class Found:
+    """What explains all contacts, misses and guarded moves: a recognition without what moves refute."""
+
+    recognition: Recognition
+    """Of contacts and misses alone, as `recognize` gives it."""
+    refuted: Mapping[int, int] = field(default_factory=dict[int, int])
+    """Numbers of its hypotheses that can't have answered a guarded move, each with the number of that step."""
+
+    @property
+    def hypotheses(self) -> list[Hypothesis]:
+        """Those that are left, in the order of the models."""
+        return [one for k, one in enumerate(self.recognition.hypotheses) if k not in self.refuted]
+
+    @property
+    def conflict(self) -> list[int] | None:
+        """As `Recognition.conflict`; None too if it is a guarded move that refutes the last hypothesis."""
+        return self.recognition.conflict
+
+    @property
+    def complete(self) -> bool:
+        """As `Recognition.complete`."""
+        return self.recognition.complete
+
+    @property
+    def interpretation_count(self) -> int:
+        """Of the hypotheses that are left; at least, where `interpretation_count_exact` is false."""
+        if not self.refuted:
+            return self.recognition.interpretation_count
+        return sum(one.interpretation_count for one in self.hypotheses)
+
+    @property
+    def interpretation_count_exact(self) -> bool:
+        """Whether `interpretation_count` is all of them."""
+        if not self.refuted:
+            return self.recognition.interpretation_count_exact
+        return self.complete and all(one.interpretation_count_exact for one in self.hypotheses)
+
+    @property
+    def counters(self) -> list[dict[str, int]]:
+        """As `Recognition.counters`, but for `hypotheses`, which are those that are left."""
+        counted = [dict(counters) for counters in self.recognition.counters]
+        for number in self.refuted:
+            counted[self.recognition.hypotheses[number].model_number]["hypotheses"] -= 1
+        return counted
+
+
+@dataclass(frozen=True, eq=False)
 class Result:
     """What is left, and how it came to that (4.1)."""
 
@@ -53,15 +101,16 @@ class Result:
 
     `"solved"`: one hypothesis is left. `"inseparable"`: no path tells those left apart. `"no_usable_path"`:
     none can be used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short. `"unexplained"`: no
-    model fits. `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`: the
-    log has no end.
+    model explains all that was met; after a skid on a planned path `hypotheses` are those that it contradicts.
+    `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`: the log has no
+    end.
     """
     reason: str
     """The same in a sentence."""
     proved: bool
     """Of `"inseparable"` and `"no_usable_path"`: whether it is proved for all paths of margin m or more."""
-    found: Recognition | None
-    """The last recognition, of all `contacts` and `misses`; None if there was no contact."""
+    found: Found | None
+    """What the last recognition left; None if there was no contact, whatever the status."""
     contacts: list[Contact] = field(default_factory=list[Contact])
     """Everything that was touched reliably, in order."""
     misses: list[Miss] = field(default_factory=list[Miss])
@@ -78,7 +127,7 @@ class Result:
 
     @property
     def hypotheses(self) -> list[Hypothesis]:
-        """What explains all contacts and misses."""
+        """What explains all contacts, misses and guarded moves."""
         return [] if self.found is None else self.found.hypotheses
 
     @property

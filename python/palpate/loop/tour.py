@@ -67,6 +67,11 @@ class Tour:
         """Make the guarded move; the tip is at its start."""
         event: Event = {"event": "touch", "purpose": purpose, "start": start.tolist(), "end": end.tolist()}
         self._journal.record(event)
+        if not self._journal.live and self._probe is not None:
+            # Errors of a simulated probe depend on how often it made the move: so it must know of this one.
+            made = getattr(self._probe, "made", None)
+            if made is not None:
+                made(start, end)
         reply = reply_in(self._journal.answer(lambda: self._touched(start, end)))
         if reply is None:
             raise ValueError("probe: a guarded move was answered by nothing; it must answer a reply")
