@@ -618,9 +618,7 @@ def test_the_tip_is_taken_up_where_it_was_left(logged, tmp_path):
         probe = palpate.SimulatedProbe(model, world_from_model, usual_sensor(), seed=18, position=stopped)
         assert same(run(18, log=cut, until=UNTIL, resume=True, probe=probe), result)
         cut.write_bytes(b"".join(lines[: k + 1]))
-        lost = palpate.SimulatedProbe(
-            model, world_from_model, usual_sensor(), seed=18, position=(9e3, 9e3)
-        )
+        lost = palpate.SimulatedProbe(model, world_from_model, usual_sensor(), seed=18, position=(9e3, 9e3))
         with pytest.raises(ValueError, match="probe: its tip is at"):
             run(18, log=cut, until=UNTIL, resume=True, probe=lost)
 

@@ -181,4 +181,12 @@ PlotRange = Annotated[
     ),
 ]
 Stats = Annotated[bool, typer.Option("--stats", metavar="", help="Show what the search did.")]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Compute on a Dask cluster: local, local:N, or a scheduler such as tcp://host:8786. "
+        "Else in this process.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON, for machines.")]

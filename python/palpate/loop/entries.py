@@ -149,7 +149,7 @@ def planned_event(report: PlanReport) -> Event:
         "event": "planned",
         "why": report.why,
         "proved": report.proved,
-        "path": None if report.path is None else _path_entry(report.path),
+        "path": None if report.path is None else path_told(report.path),
     }
 
 
@@ -197,6 +197,7 @@ def _hypothesis_entry(one: Hypothesis) -> Event:
     }
 
 
-def _path_entry(path: Path) -> Event:
+def path_told(path: Path) -> Event:
+    """A planned path, and what it promised."""
     told = path_entry(path)
     return {name: told[name] for name in TOLD_OF_A_PATH}

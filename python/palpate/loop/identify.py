@@ -14,7 +14,7 @@ from palpate.loop.entries import Event, start_event
 from palpate.loop.journal import Journal, open_log
 from palpate.loop.result import Array, Result, Step
 from palpate.loop.run import Run
-from palpate.loop.settings import Settings, settings_of
+from palpate.loop.settings import MAX_HYPOTHESES, MAX_TOUCHES, Settings, settings_of
 from palpate.probe import Probe
 from palpate.probe.simulated import point_of
 
@@ -36,8 +36,8 @@ def identify(  # noqa: PLR0917 - the four that every call has
     effort: int = 100_000,
     time_limit: float | None = None,
     features: Sequence[str] | None = None,
-    max_touches: int = 200,
-    max_hypotheses: int = 1000,
+    max_touches: int = MAX_TOUCHES,
+    max_hypotheses: int = MAX_HYPOTHESES,
     until: tuple[float, float] | None = None,
     seed: int = 0,
     unit: str = "mm",

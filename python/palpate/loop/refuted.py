@@ -1,4 +1,4 @@
-"""What guarded moves refute: hypotheses of which a move could not have met what it met (`docs/theory.md`, T15).
+"""What guarded moves refute: hypotheses that could not have been met as they were (`docs/theory.md`, T15).
 
 Recognition takes a contact as a place and a way as swept. It does not ask whether a tip on this very line may
 have stopped there first; the judge of paths does.
@@ -14,7 +14,7 @@ from palpate._core import Contact, Hypothesis, Miss, Sensor, judge
 from palpate.loop.result import Array
 from palpate.probe import Hit, Reply, Skid
 
-# Of a part's size, and radians: readings at their bounds, and images of nearly symmetric parts, are off by less.
+# Of a part's size, and radians; rounding and images of nearly symmetric parts are off by less.
 GRANTED = 1e-6
 
 

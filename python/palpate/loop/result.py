@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate._core import Contact, Hypothesis, Miss, Path, Recognition
-from palpate.probe import Reply
+from palpate.probe import Hit, Reply, Skid
 
 Array: TypeAlias = NDArray[np.float64]
 Purpose: TypeAlias = Literal["scan", "path", "verify"]
@@ -24,6 +24,24 @@ Status: TypeAlias = Literal[
     "fault",
     "interrupted",
 ]
+
+
+PURPOSES: dict[Purpose, str] = {"scan": "scan", "path": "path", "verify": "one more touch"}
+"""In words."""
+
+
+def hypotheses_words(count: int) -> str:
+    """So many of them."""
+    return f"{count} hypothes{'is' if count == 1 else 'es'}"
+
+
+def stop_of(reply: Reply, end: Array) -> Array | None:
+    """Where the tip stopped on a guarded move that was to go to `end`; None if it did not go."""
+    if isinstance(reply, Hit):
+        return reply.contact.center
+    if isinstance(reply, Skid):
+        return reply.free.end
+    return end if isinstance(reply, Miss) else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +62,11 @@ class Step:
     hypotheses: list[Hypothesis] | None = None
     """What explains all evidence up to here; None where that was not asked."""
 
+    @property
+    def stopped(self) -> Array | None:
+        """Where the tip stopped; None if it did not go."""
+        return stop_of(self.reply, self.end)
+
 
 @dataclass(frozen=True, eq=False)
 class Found:
@@ -52,7 +75,7 @@ class Found:
     recognition: Recognition
     """Of contacts and misses alone, as `recognize` gives it."""
     refuted: Mapping[int, int] = field(default_factory=dict[int, int])
-    """Numbers of its hypotheses that can't have answered a guarded move, each with the number of that step."""
+    """Numbers of its hypotheses that can't have answered a guarded move, with the number of that step."""
 
     @property
     def hypotheses(self) -> list[Hypothesis]:
@@ -101,9 +124,9 @@ class Result:
 
     `"solved"`: one hypothesis is left. `"inseparable"`: no path tells those left apart. `"no_usable_path"`:
     none can be used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short. `"unexplained"`: no
-    model explains all that was met; after a skid on a planned path `hypotheses` are those that it contradicts.
-    `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`: the log has no
-    end.
+    model explains all that was met; after a skid on a planned path `hypotheses` are those that it
+    contradicts. `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`:
+    the log has no end.
     """
     reason: str
     """The same in a sentence."""

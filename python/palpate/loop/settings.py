@@ -15,6 +15,9 @@ from palpate._core import Contact, Miss, Model, Prior, Sensor
 from palpate.contacts.entry import mm_per
 from palpate.loop.route import Array, workspace_of
 
+MAX_TOUCHES = 200
+MAX_HYPOTHESES = 1000
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -114,7 +117,7 @@ def _features(value: Any) -> list[str] | None:
         return None
     kinds = [value] if isinstance(value, str) else list(value)
     if not kinds or not set(kinds) <= {"face", "vertex"}:
-        raise ValueError(f"features: unknown kind (got {value!r}); give (\"face\",), (\"vertex\",) or both")
+        raise ValueError(f'features: unknown kind (got {value!r}); give ("face",), ("vertex",) or both')
     return kinds
 
 
