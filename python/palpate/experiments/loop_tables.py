@@ -40,7 +40,7 @@ def by_noise(rows: Sequence[Row]) -> dict[str, list[Row]]:
     """Groups of rows: errors within the bounds, at the bounds, and all."""
     names = {"uniform": "errors within the bounds", "bounds": "errors at the bounds"}
     groups = {title: [row for row in rows if row["noise"] == name] for name, title in names.items()}
-    return {**groups, "all": list(rows)}
+    return {**{title: some for title, some in groups.items() if some}, "all": list(rows)}
 
 
 def by_part(rows: Sequence[Row]) -> str:
