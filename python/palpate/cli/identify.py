@@ -19,8 +19,7 @@ from palpate.cli.plan_report import sensor_words
 from palpate.cli.recognize import pose_of, prior_of
 from palpate.cli.run_report import Story, check_run_picture, draw_run, print_result, result_document
 from palpate.contacts import Evidence, read_contacts
-from palpate.loop.entries import settings_in
-from palpate.loop.journal import read_log
+from palpate.loop.reading import read_log, settings_of_log
 from palpate.loop.route import Array, workspace_of
 from palpate.loop.settings import MAX_TOUCHES
 from palpate.probe import Noise as NoiseName
@@ -135,12 +134,14 @@ def identify(
         settings["max_hypotheses"] = max_hypotheses
     console = results()
     smallest = min(model.size for model in parts.models)
-    if not json:
-        console.print(f"sensor: {sensor_words(sensor, unit=unit)}", soft_wrap=True)
-        settings["told"] = Story(console, size=smallest)
+    heading = f"sensor: {sensor_words(sensor, unit=unit)}"
+    story = None if json else Story(console, size=smallest, heading=heading)
     result = patiently(
-        lambda: identify_part(parts.models, simulated, sensor, area, **settings), saying="identifying"
+        lambda: identify_part(parts.models, simulated, sensor, area, told=story, **settings),
+        saying="identifying",
     )
+    if story is not None:
+        story.begin()
     _show(result, parts, unit=unit, plot=plot, json=json, console=console)
     if not json:
         console.print(_verdict(result, lying, world_from_truth), soft_wrap=True)
@@ -155,9 +156,7 @@ def replay(
     """
     check_run_picture(plot)
     events = read_log(log)
-    if not events:
-        raise ValueError(f"log: {str(log)!r} is empty; name the log of a run")
-    settings = settings_in(events[0])
+    settings = settings_of_log(log, events)
     parts = Parts(settings.models, [str(log)] * len(settings.models))
     console = results()
     story = None if json else Story(console, size=min(model.size for model in parts.models))

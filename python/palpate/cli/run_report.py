@@ -32,14 +32,25 @@ STATUS = {
 class Story:
     """Tells each guarded move when it is understood."""
 
-    def __init__(self, console: Console, *, size: float) -> None:
-        """Told on a console; `size` is that of the smallest part, for how many digits are worth printing."""
+    def __init__(self, console: Console, *, size: float, heading: str | None = None) -> None:
+        """Told on a console; `size` is that of the smallest part, for how many digits are worth printing.
+
+        The heading comes before the first move: what is bad input is known by then.
+        """
         self._console = console
+        self._heading = heading
         self._size = size
         self._number = 0
 
+    def begin(self) -> None:
+        """The heading, once."""
+        if self._heading is not None:
+            self._console.print(self._heading, soft_wrap=True)
+            self._heading = None
+
     def __call__(self, step: Step) -> None:
         """One line."""
+        self.begin()
         self._number += 1
         met = _met(step, self._size)
         left = "" if step.hypotheses is None else f"; {hypotheses_words(len(step.hypotheses))} left"

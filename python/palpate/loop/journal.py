@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import IO
 
-from palpate.loop.entries import SCHEMA, VERSION, Event
+from palpate.loop.entries import Event
+from palpate.loop.reading import check_rest, read_log, whole
 
 
 class Interrupted(Exception):
@@ -93,7 +94,7 @@ def open_log(path: Path, *, resume: bool) -> tuple[list[Event], IO[bytes]]:
     """The events in a log, and the log to go on with. A last line that was cut short is cut off.
 
     Raises:
-        ValueError: A log that is there already and not to be resumed, or that is none.
+        ValueError: A log that is there already and not to be resumed, a file that is none: it stays as it is.
     """
     if path.is_dir():
         raise ValueError(f"log: {str(path)!r} is a folder; name a file")
@@ -103,41 +104,12 @@ def open_log(path: Path, *, resume: bool) -> tuple[list[Event], IO[bytes]]:
     if there and not resume:
         raise ValueError(f"log: {str(path)!r} is there already; resume it, name another file, or remove it")
     known = read_log(path) if there else []
+    text = path.read_bytes() if there else b""
+    check_rest(path, text)
     file = path.open("r+b" if there else "wb")
-    if there:
-        file.truncate(_whole(path.read_bytes()))
-        file.seek(0, os.SEEK_END)
+    file.truncate(whole(text))
+    file.seek(0, os.SEEK_END)
     return known, file
-
-
-def read_log(path: Path) -> list[Event]:
-    """The whole events in a log.
-
-    Raises:
-        ValueError: Another file than a log.
-    """
-    if not path.is_file():
-        raise ValueError(f"log: there is no file {str(path)!r}; name the log of a run")
-    text = path.read_bytes()
-    events: list[Event] = []
-    for number, line in enumerate(text[: _whole(text)].splitlines(), start=1):
-        try:
-            event = json.loads(line)
-        except ValueError:
-            event = None
-        if not isinstance(event, dict) or not isinstance(event.get("event"), str):
-            raise ValueError(f"log: {str(path)!r}, line {number} is no event of a run; name the log of a run")
-        events.append(event)
-    if events and (events[0].get("schema"), events[0].get("version")) != (SCHEMA, VERSION):
-        raise ValueError(
-            f"log: {str(path)!r} is no {SCHEMA} of version {VERSION}; name the log of a run, of this version"
-        )
-    return events
-
-
-def _whole(text: bytes) -> int:
-    """Up to the end of the last whole line."""
-    return text.rfind(b"\n") + 1
 
 
 def _brief(event: Event) -> str:

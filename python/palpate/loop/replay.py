@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from palpate.loop.entries import settings_in
-from palpate.loop.journal import Journal, read_log
+from palpate.loop.journal import Journal
+from palpate.loop.reading import read_log, settings_of_log
 from palpate.loop.result import Result, Step
 from palpate.loop.run import Run
 from palpate.probe.simulated import point_of
@@ -20,12 +20,12 @@ def replay(log: str | Path, *, told: Callable[[Step], None] | None = None) -> Re
         told: As for `identify`.
 
     Raises:
-        ValueError: No file, no log, or one of another version.
+        ValueError: No file, no log, one of another version, or one that was changed; the line is named.
     """
     events = read_log(Path(log))
-    if not events:
-        raise ValueError(f"log: {str(log)!r} is empty; name the log of a run")
-    settings = settings_in(events[0])
+    settings = settings_of_log(Path(log), events)
     position = events[0]["position"]
     at = None if position is None else point_of("position", position)
-    return Run(settings, None, Journal(events[1:], ends=True), position=at, told=told).result()
+    journal = Journal(events, ends=True)
+    journal.record(events[0])
+    return Run(settings, None, journal, position=at, told=told).result()
