@@ -67,6 +67,8 @@ def identify(
     unit: options.Unit = "mm",
     layers: options.Layers = None,
     flattening: options.Flattening = None,
+    position_slack: options.PositionSlack = 0.0,
+    normal_slack_deg: options.NormalSlackDeg = 0.0,
     plot: identify_options.Plot = None,
     json: options.Json = False,
 ) -> None:
@@ -79,7 +81,14 @@ def identify(
     check_run_picture(plot)
     if resume and log is None:
         raise ValueError("--resume: must be given with --log; name the log of the run")
-    parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
+    parts = load_parts(
+        models,
+        unit=unit,
+        layers=layers,
+        flattening=flattening,
+        position_slack=position_slack,
+        normal_slack_deg=normal_slack_deg,
+    )
     lying = _truth(parts, truth, unit=unit)
     size = max(model.size for model in [*parts.models, lying])
     area = _workspace(workspace, pose, size)

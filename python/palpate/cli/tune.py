@@ -79,6 +79,8 @@ def tune(
     unit: options.Unit = "mm",
     layers: options.Layers = None,
     flattening: options.Flattening = None,
+    position_slack: options.PositionSlack = 0.0,
+    normal_slack_deg: options.NormalSlackDeg = 0.0,
     json: options.Json = False,
 ) -> None:
     """Which stop rule, how many first contacts, which bounds for a set of models (thesis 6.1).
@@ -91,7 +93,14 @@ def tune(
     """
     from palpate.experiments import tune as tuning
 
-    parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
+    parts = load_parts(
+        models,
+        unit=unit,
+        layers=layers,
+        flattening=flattening,
+        position_slack=position_slack,
+        normal_slack_deg=normal_slack_deg,
+    )
     normal_error = None if no_normal else math.radians(normal_error_deg)
     sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
     costs = tuning.Costs(speed, touch_time)
