@@ -175,7 +175,7 @@ fn check<V: Dimension>(
     if evidence.contacts.is_empty() {
         return Err(Error::new("contacts", "must not be empty", "[]", "give at least one contact"));
     }
-    if !settings.faces && settings.edges == Some(false) && settings.vertices == Some(false) {
+    if !settings.faces && settings.edges != Some(true) && settings.vertices == Some(false) {
         return Err(Error::new("features", "must not be empty", "()", "give \"face\", \"vertex\" or both"));
     }
     if !(1e-9..=1e-2).contains(&settings.tolerance) {
