@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures loop-figures campaign-loop tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -81,9 +81,6 @@ planning-figures: .venv/.built promises ## measure planning; writes docs/plannin
 	cargo run --quiet --release --example touches > target/figures/touches.json
 	cargo run --quiet --release --example plan_speed > target/figures/plan_speed.json
 	$(BIN)/python -m palpate.experiments.planning target/figures docs/planning-figures.md
-
-loop-figures: .venv/.built ## 200 closed loops over all bundled parts: statuses, touches, times, as JSON
-	@$(BIN)/python -m palpate.experiments.loop $(ARGS)
 
 campaign-loop: .venv/.built .venv/.cluster ## 10,000 closed loops: is a truth lost? writes docs/closed-loop.md; ARGS="--cluster local:2"; resumes
 	$(BIN)/python -m palpate.experiments.campaign_loop --page docs/closed-loop.md $(ARGS)

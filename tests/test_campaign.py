@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -12,7 +13,10 @@ import campaigning
 import jsonschema
 import pytest
 
+import palpate
 from palpate.experiments import campaign, closed_loop
+from palpate.experiments import cluster as on_cluster
+from palpate.experiments.build import build
 
 COUNT = 30
 PATIENCE = 120.0  # seconds; an idle machine needs three
@@ -61,6 +65,7 @@ def test_rows_are_on_disk_in_order_under_a_header(tmp_path):
     assert rows == read and [row["number"] for row in rows] == [0, 1, 2]
     assert header["name"] == "thirds" and header["settings"]["pause"] == 0.0
     assert header["palpate"] and header["schema"] == "palpate-rows" and header["version"] == 1
+    assert header["build"] == build()
 
 
 def test_more_numbers_are_added_to_those_that_are_there(tmp_path):
@@ -90,6 +95,29 @@ def test_a_file_of_another_campaign_is_refused(tmp_path, change, words):
     with pytest.raises(ValueError, match=r"^file: ") as refused:
         campaign.run(*(usual | change).values(), lambda number, **settings: {}, tmp_path / "rows")
     assert words in str(refused.value)
+
+
+def test_rows_of_another_build_are_refused(tmp_path, monkeypatch):
+    """Of the same version: the file, and a worker."""
+    campaign.run("thirds", {}, [1], lambda number: {}, tmp_path / "rows")
+    monkeypatch.setattr(campaign, "build", lambda: "another")
+    with pytest.raises(ValueError, match=r"holds other rows \(build is "):
+        campaign.run("thirds", {}, [1, 2], lambda number: {}, tmp_path / "rows")
+    with pytest.raises(ValueError, match="a worker has another build"):
+        on_cluster._row(lambda number: {}, {}, "another", 1)
+
+
+def test_a_build_is_known_by_its_sources(tmp_path, monkeypatch):
+    folder = Path(campaign.__file__).parents[1]
+    made = build.__wrapped__()
+    assert made == build() and len(made) == 32
+    copy = tmp_path / "palpate"
+    shutil.copytree(folder, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(palpate, "__file__", str(copy / "__init__.py"))
+    assert build.__wrapped__() == made
+    with (copy / "truth.py").open("a") as source:
+        source.write("# changed\n")
+    assert build.__wrapped__() != made
 
 
 def test_lines_are_as_the_schema_says(tmp_path):
@@ -159,7 +187,7 @@ def test_a_killed_worker_costs_its_task_not_the_run(tmp_path, nanny):
 
 def test_closed_loops_are_the_same_on_a_cluster(tmp_path):
     """Bit for bit, but for times."""
-    settings = {"position_error": 0.5, "normal_error_deg": 4.0, "beside": ["chance", "gain"]}
+    settings = {"position_error": 0.5, "normal_error_deg": 4.0, "beside": ["chance", "entropy"]}
     for name, where in (("here", None), ("there", "local:2")):
         campaign.run("loops", settings, range(4), closed_loop.task, tmp_path / name, cluster=where)
     assert rows_in(tmp_path / "here") == rows_in(tmp_path / "there")

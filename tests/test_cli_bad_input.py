@@ -41,7 +41,7 @@ FILES = {
     "broken.json": '{"schema": ',
     "other.json": '{"schema": "palpate-model", "version": 1}',
     "touches.txt": "x,y\n0,0\n",
-    "part.step": "",
+    "part.iges": "",
 }
 
 
@@ -112,7 +112,7 @@ CASES = [
     ),
     ([*RECOGNIZE, "--plot-range", "1"], "--plot-range 1: must be given with --plot; name the file"),
     (["recognize", "pear", "--contacts", "good.csv"], "pear: no such file or folder"),
-    (["recognize", "part.step", "--contacts", "good.csv"], "part.step: unknown suffix '.step'"),
+    (["recognize", "part.iges", "--contacts", "good.csv"], "part.iges: unknown suffix '.iges'"),
     (["recognize", "crossed.json", "--contacts", "good.csv"], "crossed.json: "),
     (["recognize", "other.json", "--contacts", "good.csv"], "other.json: name: "),
     (["recognize", "square.json", "--contacts", "none.csv"], "none.csv: No such file or directory"),

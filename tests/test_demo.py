@@ -19,6 +19,7 @@ import palpate
 from palpate.cli import main
 from palpate.cli.demo_words import Teller
 from palpate.demo import SENSOR, TABLE, Demonstration, demonstrate, deviation
+from palpate.experiments import closed_loop
 from palpate.probe import Hit
 
 NINE = palpate.part_names()
@@ -77,10 +78,19 @@ def test_a_deviation_is_measured_up_to_symmetry():
     assert turn == pytest.approx(0.1, abs=0.02) and way == pytest.approx(0.1 * math.sqrt(2), abs=0.04)
 
 
-def test_a_promise_is_kept_and_told():
-    shown, teller = demonstrate(), Teller()
+@pytest.mark.parametrize("number", [None, 35, *range(9)])
+def test_a_promise_is_kept_and_told(number):
+    """In the demonstration, and with coarse readings."""
+    if number is None:
+        result = demonstrate().result
+    else:
+        models = palpate.bundled_parts()
+        sensor = palpate.Sensor(4.0, math.radians(5), math.radians(60))
+        problem = closed_loop.problem_of(number, models, models[number % 9], sensor=sensor)
+        result = palpate.identify(models, problem.probe, sensor, problem.workspace)
+    teller = Teller()
     known = 0
-    for step in shown.result.steps:
+    for step in result.steps:
         told = teller.tell(step)
         promised = re.search(r"no more than (\d+) are left", told.why)
         if "one answer is left" in told.why:

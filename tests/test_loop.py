@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -10,10 +11,21 @@ from conftest import pose, usual_sensor
 from test_cli import validate
 
 import palpate
+from palpate.experiments import closed_loop
 from palpate.loop.acquire import Scans, independent, smallest_width
+from palpate.loop.journal import Journal
+from palpate.loop.refuted import refuted
 from palpate.loop.route import length_of
+from palpate.loop.settings import settings_of
+from palpate.loop.tour import Tour
 
 PARTS = palpate.load_models(list(palpate.part_names()))
+EVIDENCE = (palpate.Hit, palpate.Miss, palpate.Skid)
+CHOSEN = {
+    "prior": None, "contacts": (), "misses": (), "blind": None, "planner": "auto", "stop": "perfect",
+    "directions": None, "margin": 1e-3, "effort": 1000, "time_limit": None, "features": None,
+    "max_touches": 50, "max_hypotheses": 100, "until": None, "seed": 0, "unit": "mm",
+}  # fmt: skip
 
 
 def placed_at_random(number):
@@ -44,6 +56,13 @@ class Watched:
     @property
     def position(self):
         return self.probe.position
+
+    @property
+    def simulation(self):
+        return self.probe.simulation
+
+    def made(self, start, end):
+        self.probe.made(start, end)
 
     def touch(self, start, end):
         assert self.at is None or np.array_equal(self.at, start)
@@ -100,7 +119,8 @@ def test_the_truth_is_never_lost(number):
     assert result.travel == pytest.approx(probe.travel)
     # The evidence that is told is the evidence that counted.
     again = palpate.recognize(PARTS, result.contacts, misses=result.misses)
-    assert len(again.hypotheses) == len(result.hypotheses)
+    assert len(again.hypotheses) == len(result.found.recognition.hypotheses)
+    assert len(again.hypotheses) == len(result.hypotheses) + len(result.found.refuted)
 
 
 @pytest.mark.parametrize("noise", ["uniform", "bounds"])
@@ -113,6 +133,69 @@ def test_ways_count_where_the_tip_leaves_its_line_by_more_than_the_position_erro
         assert holds_truth(result, model, world_from_model)
         assert all(contact.start is None for contact in result.contacts)
         assert len(result.misses) == 4 + result.touches
+
+
+def test_kinds_that_a_path_may_touch_say_nothing_of_scans():
+    """A scan with a ball meets corners, whatever kinds paths are to touch."""
+    parts = [PARTS[k] for k in (2, 3, 4)]
+    sensor = usual_sensor(tip_radius=5.0)
+    met_corners = 0
+    for number in range(30):
+        model, world_from_model, workspace = placed_at_random(9 * number + (2, 3, 4)[number % 3])
+        probe = palpate.SimulatedProbe(model, world_from_model, sensor, seed=number)
+        result = palpate.identify(parts, probe, sensor, workspace, features=("face",))
+        assert holds_truth(result, model, world_from_model), (number, result.status)
+        truth = [one for one in result.hypotheses if one.model == model]
+        met_corners += any(
+            kind == "vertex" for one in truth for kind, _ in next(iter(one.interpretations)).assignment
+        )
+        for path in result.paths:
+            kinds = {touch.feature[0] for outcome in path.outcomes for touch in outcome.touches}
+            assert kinds <= {"face"}
+    assert met_corners > 2
+
+
+def coarse(number, **settings):
+    """A loop in which a path promises more than its contact tells where it is taken as a mere place."""
+    models = list(closed_loop.parts().values())
+    sensor = closed_loop.sensor_of(position_error=4.0, normal_error_deg=5.0)
+    problem = closed_loop.problem_of(number, models, models[number % 9], sensor=sensor)
+    return problem, palpate.identify(models, problem.probe, sensor, problem.workspace, **settings)
+
+
+def test_what_a_path_promised_is_kept_with_coarse_readings():
+    """Whatever a path met: none is left that its judge says can't have answered so; no move is in vain."""
+    planned = refuted = 0
+    for number in [35, *range(900, 940)]:
+        problem, result = coarse(number)
+        assert problem.kept(result.hypotheses)
+        refuted += len(result.found.refuted)
+        before = None
+        for step in result.steps:
+            if step.path is not None and before is not None and step.hypotheses is not None:
+                planned += 1
+                answered = step.path.outcome_of(
+                    step.reply.contact if isinstance(step.reply, palpate.Hit) else None
+                )
+                models = sorted(before[k].model_number for k in answered)
+                left = sorted(one.model_number for one in step.hypotheses)
+                assert not step.path.guaranteed or len(left) < len(before)
+                assert set(left) <= set(models)
+            before = step.hypotheses
+    assert planned > 20 and refuted > 5
+
+
+def test_a_wider_path_error_refutes_less():
+    """The same moves and readings, judged by a sensor whose tip may leave its line."""
+    problem, result = coarse(35)
+    moves = [(step.start, step.end, step.reply) for step in result.steps]
+    found = palpate.recognize(problem.models, result.contacts, misses=result.misses).hypotheses
+    on_line = refuted(found, moves, problem.sensor)
+    wide = palpate.Sensor(4.0, math.radians(5), math.radians(60), 0.0, 200.0)
+    assert on_line and not refuted(found, moves, wide)
+    assert set(on_line.values()) <= set(range(len(moves)))
+    nothing = [(start, end, palpate.AlreadyTouching()) for start, end, _ in moves]
+    assert refuted(found, nothing, problem.sensor) == {}
 
 
 def run(number=0, models=PARTS, sensor=None, probe=None, **settings):
@@ -161,7 +244,10 @@ def test_no_usable_path():
 
 
 def test_budget():
-    assert run(0, max_touches=2).status == "budget"
+    model, world_from_model, _ = placed_at_random(0)
+    early = run(0, max_touches=2)
+    assert early.status == "budget" and early.touches == 2 and early.contacts
+    assert holds_truth(early, model, world_from_model)
     result = run(0, max_touches=3)
     assert result.status == "budget" and result.touches == 3 and len(result.hypotheses) > 1
 
@@ -175,6 +261,35 @@ def test_budget_of_planning():
     probe = palpate.SimulatedProbe(twins[0], pose(0.3), usual_sensor())
     result = palpate.identify(twins, probe, usual_sensor(), [[-120, -120], [120, 120]], effort=1)
     assert result.status == "budget" and "planning" in result.reason and len(result.hypotheses) == 2
+
+
+def test_inseparable_says_that_it_is_not_proved():
+    corners = np.array([[0, 0], [80, 0], [80, 15], [20, 15], [20, 60], [0, 60]], dtype=float)
+    twins = [palpate.Model.polygon(scale * corners, name=f"times {scale}") for scale in (1.0, 1.0002)]
+    probe = palpate.SimulatedProbe(twins[0], pose(0.3), usual_sensor())
+    result = palpate.identify(twins, probe, usual_sensor(), [[-120, -120], [120, 120]], planner="grimson")
+    assert result.status == "inseparable" and not result.proved and "not proved" in result.reason
+
+
+@pytest.mark.parametrize("purpose", ["path", "verify"])
+def test_a_skid_on_a_planned_path_ends_the_run(purpose):
+    model, world_from_model, workspace = placed_at_random(0)
+    settings = {"until": (0.1, 1e-3)}
+    usual = run(0, **settings)
+    place = next(k for k, step in enumerate(usual.steps) if step.purpose == purpose)
+    simulated = palpate.SimulatedProbe(model, world_from_model, usual_sensor(), seed=0)
+
+    class Sliding(Watched):
+        def touch(self, start, end):
+            reply = super().touch(start, end)
+            if sum(kind == "touch" for kind, *_ in self.questions) <= place:
+                return reply
+            short = start + 0.01 * (end - start)
+            return palpate.Skid(palpate.Miss(start, short))
+
+    result = palpate.identify(PARTS, Sliding(simulated, workspace), usual_sensor(), workspace, **settings)
+    assert result.status == "unexplained" and "skidded" in result.reason
+    assert result.touches == place + 1 and result.hypotheses
 
 
 def test_unexplained():
@@ -227,7 +342,11 @@ def test_fault(answer, reason):
         result = palpate.identify(PARTS, probe, usual_sensor(), workspace)
         assert result.status == "fault" and reason in result.reason
         assert len(probe.questions) == number
-        assert len(result.contacts) + len(result.misses) - 4 >= result.touches - 1
+        # Each move that was made is evidence; that which failed is not.
+        kinds = Counter(type(step.reply) for step in result.steps)
+        assert len(result.contacts) == kinds[palpate.Hit]
+        assert len(result.misses) == 4 + kinds[palpate.Miss] + kinds[palpate.Skid]
+        assert kinds.total() - sum(kinds[kind] for kind in EVIDENCE) == (kind == "touch")
         assert (result.found is not None) == bool(result.contacts)
 
 
@@ -431,10 +550,53 @@ def test_a_run_that_was_killed_anywhere_goes_on(logged, tmp_path):
         assert cut.read_bytes() == text
 
 
+def test_errors_of_a_move_that_is_made_again_survive_a_kill(tmp_path):
+    """The same move four times: it has other errors each time, also if the first ones are in the log."""
+    model, world_from_model, workspace = placed_at_random(18)
+    sensor = usual_sensor(position_error=3.0, normal_error=math.radians(8))
+
+    def repeated(journal):
+        probe = palpate.SimulatedProbe(model, world_from_model, sensor, seed=18)
+        tour = Tour(settings_of(PARTS, sensor, workspace, **CHOSEN), probe, journal, position=None)
+        middle = float(world_from_model[1, 2])
+        line = np.array([workspace[0][0], middle]), np.array([workspace[1][0], middle])
+        replies = []
+        for _ in range(4):
+            replies.append(tour.touch(*line, "path"))
+            tour.go_to(line[0])
+        return replies
+
+    log = tmp_path / "moves.jsonl"
+    with log.open("wb") as file:
+        whole = repeated(Journal((), file))
+    assert len({str(reply) for reply in whole}) == 4
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    for count in range(len(lines)):
+        assert repeated(Journal(lines[:count])) == whole
+
+
+def test_another_simulation_is_refused(logged, tmp_path):
+    path, _ = logged
+    model, world_from_model, _ = placed_at_random(18)
+    sensor = usual_sensor()
+    moved = world_from_model.copy()
+    moved[0, 2] += 1.0
+    others = {
+        "truth": palpate.SimulatedProbe(PARTS[1], world_from_model, sensor, seed=18),
+        "pose": palpate.SimulatedProbe(model, moved, sensor, seed=18),
+        "noise": palpate.SimulatedProbe(model, world_from_model, sensor, seed=18, noise="bounds"),
+        "overtravel": palpate.SimulatedProbe(model, world_from_model, sensor, seed=18, overtravel=0.1),
+        "seed": palpate.SimulatedProbe(model, world_from_model, sensor, seed=19),
+    }
+    for probe in others.values():
+        with pytest.raises(ValueError, match="simulation: is not that of the log"):
+            run(18, log=path, until=UNTIL, resume=True, probe=probe)
+
+
 def test_replies_in_the_log_are_not_asked_again(logged):
     path, result = logged
     model, world_from_model, workspace = placed_at_random(18)
-    probe = Watched(palpate.SimulatedProbe(model, world_from_model, usual_sensor()), workspace)
+    probe = Watched(palpate.SimulatedProbe(model, world_from_model, usual_sensor(), seed=18), workspace)
     again = run(18, log=path, until=UNTIL, resume=True, probe=probe)
     assert probe.questions == [] and same(again, result)
 
@@ -456,7 +618,7 @@ def test_the_tip_is_taken_up_where_it_was_left(logged, tmp_path):
         probe = palpate.SimulatedProbe(model, world_from_model, usual_sensor(), seed=18, position=stopped)
         assert same(run(18, log=cut, until=UNTIL, resume=True, probe=probe), result)
         cut.write_bytes(b"".join(lines[: k + 1]))
-        lost = palpate.SimulatedProbe(model, world_from_model, usual_sensor(), position=(9e3, 9e3))
+        lost = palpate.SimulatedProbe(model, world_from_model, usual_sensor(), seed=18, position=(9e3, 9e3))
         with pytest.raises(ValueError, match="probe: its tip is at"):
             run(18, log=cut, until=UNTIL, resume=True, probe=lost)
 

@@ -13,6 +13,7 @@ import palpate
 from palpate.cli import main
 
 NINE = list(palpate.part_names())
+AREA = ("--workspace", "-300,-300,300,300")
 BOOT = (*NINE, "--truth", "boot", "--pose", "10,20,30", "--seed", 3)
 
 
@@ -20,6 +21,43 @@ BOOT = (*NINE, "--truth", "boot", "--pose", "10,20,30", "--seed", 3)
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+def same(one, other):
+    """But for times."""
+    return {**one, "seconds": None} == {**other, "seconds": None}
+
+
+def test_contacts_of_a_file_come_before_all_scans(folder, capsys):
+    drawn = json.loads(run(capsys, "identify", *BOOT, "--json", "--drawn", 2, "--log", "run.jsonl"))
+    validate(drawn, "result-1")
+    assert drawn["status"] == "solved" and drawn["found"]["hypotheses"][0]["model"] == "boot"
+    assert len(drawn["contacts"]) - 2 == sum(step["reply"] == "hit" for step in drawn["steps"])
+    assert not any(step["purpose"] == "scan" for step in drawn["steps"])
+    contacts = [
+        {
+            "center": contact["center"],
+            "normal": contact["normal"],
+            "approach": contact["approach"],
+        }
+        for contact in drawn["contacts"][:2]
+    ]
+    file = {"schema": "palpate-contacts", "version": 1, "unit": "mm", "contacts": contacts}
+    Path("first.json").write_text(json.dumps(file))
+    given = json.loads(run(capsys, "identify", *BOOT, "--json", "--contacts", "first.json"))
+    assert given["contacts"] == drawn["contacts"] and given["steps"] == drawn["steps"]
+    assert main(["identify", *map(str, BOOT), "--contacts", "first.json", "--drawn", "2"]) == 2
+    assert "choose one" in capsys.readouterr().err
+
+
+def test_another_truth_is_not_resumed(folder, capsys):
+    run(capsys, "identify", *BOOT, *AREA, "--log", "run.jsonl")
+    lines = Path("run.jsonl").read_bytes().splitlines(keepends=True)
+    Path("run.jsonl").write_bytes(b"".join(lines[:4]))
+    for flags in (["--truth", "camera"], ["--pose", "11,20,30"], ["--noise", "bounds"]):
+        arguments = ["identify", *map(str, BOOT), *flags, *AREA]
+        assert main([*arguments, "--log", "run.jsonl", "--resume"]) == 2
+        assert "simulation: is not that of the log" in capsys.readouterr().err
 
 
 def test_the_story(folder, capsys):
@@ -40,8 +78,14 @@ def test_json_and_replay(folder, capsys):
     assert document["touches"] == len(document["steps"])
     for line in Path("run.jsonl").read_text().splitlines():
         validate(json.loads(line), "run-1")
-    assert json.loads(run(capsys, "replay", "run.jsonl", "--json")) == document
-    assert json.loads(run(capsys, "identify", *BOOT, "--json", "--log", "run.jsonl", "--resume")) == document
+    planned = [step["path"] for step in document["steps"] if step["path"] is not None]
+    assert planned and all(sum(map(len, path["classes"])) > 1 for path in planned)
+    assert [step["purpose"] for step in document["steps"]].count("path") == len(planned)
+    taken = document["seconds"]
+    assert taken["recognition"] > 0.0 and taken["planning"] > 0.0
+    assert same(json.loads(run(capsys, "replay", "run.jsonl", "--json")), document)
+    resumed = run(capsys, "identify", *BOOT, "--json", "--log", "run.jsonl", "--resume")
+    assert same(json.loads(resumed), document)
     told = run(capsys, "replay", "run.jsonl", "--plot", "pictures")
     assert "solved: one hypothesis is left." in told and "pictures: pictures" in told
     names = sorted(path.name for path in Path("pictures").iterdir())
@@ -91,10 +135,11 @@ def test_a_killed_run_is_resumed(folder, capsys):
     process.send_signal(signal.SIGKILL)
     process.wait()
     before = log.read_bytes()
+    assert b'"event":"end"' not in before
     resumed = json.loads(run(capsys, *arguments, "--resume"))
     assert log.read_bytes().startswith(before[: before.rfind(b"\n") + 1])
     arguments[arguments.index("run.jsonl")] = "whole.jsonl"
-    assert json.loads(run(capsys, *arguments)) == resumed
+    assert same(json.loads(run(capsys, *arguments)), resumed)
     assert Path("whole.jsonl").read_bytes() == log.read_bytes()
 
 

@@ -455,7 +455,7 @@ REFUSED = {
         ("<html></html>", r"a\.svg: its root is <html>, not <svg>; export it again"),
         ('<svg xmlns="http://www.w3.org/2000/svg"/>', r"a\.svg: no outline in it .*; draw the part"),
     ],
-    "a.step": [("", r".*a\.step: unknown suffix '\.step'; give a \.json, \.dxf, \.svg file")],
+    "a.iges": [("", r".*a\.iges: unknown suffix '\.iges'; give a \.json, \.dxf, \.svg.* file")],
 }  # fmt: skip
 
 
@@ -476,7 +476,7 @@ def test_what_is_not_there_is_refused(tmp_path):
     ):
         load_models([tmp_path / "gone.json"])
     with pytest.raises(
-        ValueError, match=r"no model file in this folder; put \.json, \.dxf, \.svg files there"
+        ValueError, match=r"no model file in this folder; put \.json, \.dxf, \.svg.* files there"
     ):
         load_models([tmp_path])
     with pytest.raises(ValueError, match="paths: no model is named"):

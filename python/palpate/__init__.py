@@ -44,6 +44,7 @@ from ._core import verification_report as verification_report
 from .contacts import Evidence as Evidence
 from .contacts import read_contacts as read_contacts
 from .contacts import write_contacts as write_contacts
+from .loop import Found as Found
 from .loop import Result as Result
 from .loop import Step as Step
 from .loop import identify as identify

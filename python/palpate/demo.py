@@ -11,11 +11,13 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate._core import Hypothesis, Model, Sensor
+from palpate._core import Hypothesis, Model
 from palpate.loop import Result, Step, identify
 from palpate.models import load_models
 from palpate.parts import part_names
 from palpate.probe import SimulatedProbe, random_pose
+from palpate.truth import number_of_truth
+from palpate.usual import usual_sensor
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -24,7 +26,7 @@ DEFAULT_SEED = 5
 
 UNIT = "mm"
 TABLE = 400.0  # the side of the square on which the part lies
-SENSOR = Sensor(0.5, math.radians(4), math.radians(60))
+SENSOR = usual_sensor()
 ENOUGH = (2.5, math.radians(1))  # it goes on touching until the pose is known so well
 
 _ROOM = 5.0  # between the part and the border of the table
@@ -43,10 +45,8 @@ class Demonstration:
     @property
     def truth_number(self) -> int | None:
         """The hypothesis, counted from 1, that holds the true part and pose."""
-        for number, one in enumerate(self.result.hypotheses, start=1):
-            if one.model == self.truth and one.poses.contains(self.world_from_truth):
-                return number
-        return None
+        number = number_of_truth(self.result.hypotheses, self.truth, self.world_from_truth)
+        return None if number is None else number + 1
 
 
 def demonstrate(

@@ -1,9 +1,11 @@
-"""Model files: JSON, DXF and SVG into models, and models into JSON.
+"""Model files: JSON, drawings and solids into models, and models into JSON.
 
 A JSON file is a `palpate-model` document (`schemas/model-1.json`). DXF and SVG are drawings: closed lines are
 outlines, and holes of the ones around them; several outlines are several models, numbered from left to right;
 where nothing is closed, the lines are loose faces. Curves become chords, and the model says what that costs:
 `position_slack` and `normal_slack` are added to the bounds of every contact.
+
+STL, OBJ, PLY, OFF, 3MF and STEP files are solids; bodies that don't meet are several models, as outlines are.
 """
 
 from __future__ import annotations
@@ -23,8 +25,10 @@ from palpate.curves import CurveError, Tolerance
 from palpate.model_json import document_of, parse_model
 from palpate.outlines import Drawing, OutlineError, Shape, shapes_of
 from palpate.parts import part_names, part_path
+from palpate.solids import SOLID_SUFFIXES, solid_parts
 
-SUFFIXES = (".json", ".dxf", ".svg")
+# The core of this build may know the plane alone.
+SUFFIXES = (".json", ".dxf", ".svg") + (SOLID_SUFFIXES if hasattr(Model, "mesh") else ())
 
 _FLATTENING_MM = 0.05
 # As a share of the drawing.
@@ -38,16 +42,22 @@ def load_models(
     flattening: float | None = None,
     turn_deg: float = 7.5,
     layers: Sequence[str] | None = None,
+    position_slack: float = 0.0,
+    normal_slack: float = 0.0,
 ) -> list[Model]:
     """Models of files, folders and bundled parts, in this order; a folder's files by name.
 
     Args:
-        paths: JSON, DXF and SVG files, folders of them, or names of bundled parts such as "boot".
+        paths: JSON, DXF, SVG, STL, OBJ, PLY, OFF, 3MF and STEP files, folders of them, or names of bundled
+            parts such as "boot".
         unit: Unit of the models that are returned; files in another one are converted.
-        flattening: How far chords may be from their curves, and ends that are to be joined from each other,
-            in `unit`. Else 0.05 mm.
+        flattening: How far chords may be from their curves, triangles from the surfaces of a STEP file, and
+            ends that are to be joined from each other, in `unit`. Else 0.05 mm.
         turn_deg: How far the normals of chords may be from those of the curves, degrees.
         layers: Names of the DXF layers to read; else all that are shown.
+        position_slack: How far the true parts may lie from what their files say, in `unit`, as by
+            tessellation: added to the slack that is known from the files.
+        normal_slack: The same for their normals, radians.
 
     Raises:
         ValueError: If a file is missing, malformed, of an unknown kind or without an outline; names it.
@@ -64,7 +74,16 @@ def load_models(
         refuse("turn_deg", f"{turn_deg!r} is not above 0 and at most 45", "give, for example, 7.5")
     if isinstance(layers, str) or (layers is not None and not all(isinstance(name, str) for name in layers)):
         refuse("layers", f"{layers!r} is not a list of names", 'give, for example, ["PART"]')
-    options = _Options(unit, Tolerance(distance, math.radians(turn_deg)), layers)
+    if not (math.isfinite(position_slack) and position_slack >= 0.0):
+        refuse(
+            "position_slack", f"{position_slack!r} is not a length, zero or more", "give 0 for exact files"
+        )
+    if not 0.0 <= normal_slack < 0.5 * math.pi:
+        refuse(
+            "normal_slack", f"{normal_slack!r} is not an angle of 0 to π/2 radians", "give 0 for exact files"
+        )
+    slacks = {"position_slack": position_slack, "normal_slack": normal_slack}
+    options = _Options(unit, Tolerance(distance, math.radians(turn_deg)), layers, slacks)
     given = _given(paths)
     if not given:
         refuse("paths", "no model is named", f"name a file, a folder or one of {', '.join(part_names())}")
@@ -88,6 +107,8 @@ class _Options:
     unit: str
     tolerance: Tolerance
     layers: Sequence[str] | None
+    slacks: dict[str, float]
+    """Added to those of every model."""
 
 
 def _given(paths: str | Path | Sequence[str | Path]) -> list[str | Path]:
@@ -163,10 +184,36 @@ def _load(file: Path, options: _Options) -> list[Model]:
     try:
         if file.suffix.lower() == ".json":
             arguments = parse_model(file.name, _text_of(file), mm_per_unit=MM_PER_UNIT[options.unit])
-            return [_model(file.name, arguments)]
+            return [_model(file.name, _slackened(arguments, options))]
+        if file.suffix.lower() in SOLID_SUFFIXES:
+            return _load_solid(file, options)
         return _load_drawing(file, options)
     except OSError as error:
         refuse(file.name, f"can't be read: {error.strerror}", "check the file's permissions")
+
+
+def _load_solid(file: Path, options: _Options) -> list[Model]:
+    return [
+        _model(
+            file.name,
+            _slackened(
+                {
+                    "vertices": part.vertices,
+                    "triangles": part.triangles,
+                    "name": part.name,
+                    "position_slack": part.position_slack,
+                    "normal_slack": part.normal_slack,
+                    "mends": list(part.mends),
+                },
+                options,
+            ),
+        )
+        for part in solid_parts(file, unit=options.unit, tolerance=options.tolerance)
+    ]
+
+
+def _slackened(arguments: dict[str, Any], options: _Options) -> dict[str, Any]:
+    return arguments | {name: arguments[name] + more for name, more in options.slacks.items()}
 
 
 def _load_drawing(file: Path, options: _Options) -> list[Model]:
@@ -182,7 +229,11 @@ def _load_drawing(file: Path, options: _Options) -> list[Model]:
     names = [file.stem] if len(shapes) == 1 else [f"{file.stem}-{k}" for k in range(1, len(shapes) + 1)]
     try:
         return [
-            _model(file.name, _arguments_of(shape) | {"name": name, "mends": [*drawing.notes, *shape.notes]})
+            _model(
+                file.name,
+                _slackened(_arguments_of(shape), options)
+                | {"name": name, "mends": [*drawing.notes, *shape.notes]},
+            )
             for name, shape in zip(names, shapes, strict=True)
         ]
     except ValueError as error:
@@ -236,14 +287,24 @@ def _arguments_of(shape: Shape) -> dict[str, Any]:
 
 
 def _model(file_name: str, arguments: dict[str, Any]) -> Model:
-    """The model of `arguments`, which are those of its constructor; the shape is `outer` or `segments`."""
+    """The model of `arguments`, which are those of its constructor: `outer`, `segments` or `triangles`."""
     arguments = dict(arguments)
     try:
+        if "triangles" in arguments:
+            return _mesh_model(arguments)
         if "outer" in arguments:
             return Model.polygon(arguments.pop("outer"), **arguments)
         return Model.segments(arguments.pop("segments"), **arguments)
     except ValueError as error:
         raise ValueError(f"{file_name}: {error}") from None
+
+
+def _mesh_model(arguments: dict[str, Any]) -> Model:
+    """The solid model of vertices, triangles and what `Model.mesh` takes by name."""
+    arguments = dict(arguments)
+    vertices, triangles = arguments.pop("vertices"), arguments.pop("triangles")
+    model: Model = getattr(Model, "mesh")(vertices, triangles, **arguments)  # noqa: B009
+    return model
 
 
 def _text_of(file: Path) -> str:

@@ -1,11 +1,12 @@
 //! Models.
 
+use palpate::{Mend, Surface};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 use glam::DVec2;
 use numpy::{PyArray1, PyArray2, PyArray3};
-use palpate::plane::{Line, Mend, Model, Surface};
+use palpate::plane::{Line, Model};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;

@@ -3,13 +3,14 @@
 use glam::DVec2;
 
 use crate::Error;
+use crate::dimension::Dimension;
 use crate::plane::Pose;
 
 /// A sensed outward surface normal and the bound on its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Normal {
+pub struct Normal<V = DVec2> {
     /// Unit outward normal, world frame.
-    pub direction: DVec2,
+    pub direction: V,
     /// The true normal is within this angle of `direction`; radians, `[0, π/2]`.
     pub error: f64,
 }
@@ -18,35 +19,35 @@ pub struct Normal {
 ///
 /// A measured surface point is the case `tip_radius == 0`. Lengths in the models' unit, world frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct Contact<V = DVec2> {
     /// Sensed centre of the tip.
-    pub center: DVec2,
+    pub center: V,
     /// Radius of the tip, `>= 0`.
     pub tip_radius: f64,
     /// The true centre is within this distance of `center`.
     pub position_error: f64,
     /// Sensed outward normal, if the probe reads one.
-    pub normal: Option<Normal>,
+    pub normal: Option<Normal<V>>,
     /// Unit direction of travel, pointing into the part: the true normal `n` has `-approach·n >= 0`.
-    pub approach: Option<DVec2>,
+    pub approach: Option<V>,
     /// Where the guarded move began: the path from `start` to the contact was free.
-    pub start: Option<DVec2>,
+    pub start: Option<V>,
 }
 
 /// A guarded move that touched nothing: the tip swept `start..end` freely.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Miss {
+pub struct Miss<V = DVec2> {
     /// Where the move began, world frame.
-    pub start: DVec2,
+    pub start: V,
     /// Where it ended.
-    pub end: DVec2,
+    pub end: V,
     /// Radius of the tip, `>= 0`.
     pub tip_radius: f64,
     /// How far the tip may have left its line, `>= 0`.
     pub path_error: f64,
 }
 
-/// What is known of the pose beforehand.
+/// What is known of the pose beforehand, in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prior {
     /// The middle of the range of poses.
@@ -58,21 +59,35 @@ pub struct Prior {
 }
 
 /// All that was observed.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Evidence {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evidence<V: Dimension = DVec2> {
     /// Touches.
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<Contact<V>>,
     /// Guarded moves that touched nothing.
-    pub misses: Vec<Miss>,
+    pub misses: Vec<Miss<V>>,
     /// What was known beforehand.
-    pub prior: Option<Prior>,
+    pub prior: Option<V::Prior>,
+}
+
+impl<V: Dimension> Default for Evidence<V> {
+    /// Nothing.
+    fn default() -> Self {
+        Self { contacts: Vec::new(), misses: Vec::new(), prior: None }
+    }
+}
+
+impl<V: Dimension> Evidence<V> {
+    /// Whether any contact was made by a tip that has a radius.
+    pub(crate) fn has_tips(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.tip_radius > 0.0)
+    }
 }
 
 /// A normal and an approach may agree in no more than the ends of their ranges; this much, radians, is granted to
 /// rounding there.
 pub(crate) const GRAZING: f64 = 1e-9;
 
-fn finite(argument: &str, value: DVec2) -> Result<DVec2, Error> {
+fn finite<V: Dimension>(argument: &str, value: V) -> Result<V, Error> {
     if value.is_finite() {
         Ok(value)
     } else {
@@ -80,7 +95,7 @@ fn finite(argument: &str, value: DVec2) -> Result<DVec2, Error> {
     }
 }
 
-fn nonnegative(argument: &str, value: f64) -> Result<f64, Error> {
+pub(crate) fn nonnegative(argument: &str, value: f64) -> Result<f64, Error> {
     if value.is_finite() && value >= 0.0 {
         Ok(value)
     } else {
@@ -93,7 +108,7 @@ fn nonnegative(argument: &str, value: f64) -> Result<f64, Error> {
     }
 }
 
-fn within(argument: &str, value: f64, largest: f64, remedy: &str) -> Result<f64, Error> {
+pub(crate) fn within(argument: &str, value: f64, largest: f64, remedy: &str) -> Result<f64, Error> {
     if (0.0..=largest).contains(&value) {
         Ok(value)
     } else {
@@ -102,18 +117,18 @@ fn within(argument: &str, value: f64, largest: f64, remedy: &str) -> Result<f64,
     }
 }
 
-fn direction(argument: &str, value: DVec2) -> Result<DVec2, Error> {
+fn direction<V: Dimension>(argument: &str, value: V) -> Result<V, Error> {
     finite(argument, value)?
         .try_normalize()
         .ok_or_else(|| Error::new(argument, "must not be zero", value, "give a direction, of any length"))
 }
 
-impl Normal {
+impl<V: Dimension> Normal<V> {
     /// A normal along `toward`, of any length but zero.
     ///
     /// # Errors
     /// If `toward` is zero or not finite, or `error` is outside `[0, π/2]`.
-    pub fn new(toward: DVec2, error: f64) -> Result<Self, Error> {
+    pub fn new(toward: V, error: f64) -> Result<Self, Error> {
         Ok(Self {
             direction: direction("normal", toward)?,
             error: within(
@@ -126,12 +141,12 @@ impl Normal {
     }
 }
 
-impl Contact {
+impl<V: Dimension> Contact<V> {
     /// A contact of a tip of radius `tip_radius` centred within `position_error` of `center`.
     ///
     /// # Errors
     /// If a number is not finite or negative.
-    pub fn new(center: DVec2, tip_radius: f64, position_error: f64) -> Result<Self, Error> {
+    pub fn new(center: V, tip_radius: f64, position_error: f64) -> Result<Self, Error> {
         Ok(Self {
             center: finite("center", center)?,
             tip_radius: nonnegative("tip_radius", tip_radius)?,
@@ -144,7 +159,7 @@ impl Contact {
 
     /// The same contact with a sensed normal.
     #[must_use]
-    pub fn with_normal(self, normal: Normal) -> Self {
+    pub fn with_normal(self, normal: Normal<V>) -> Self {
         Self { normal: Some(normal), ..self }
     }
 
@@ -152,7 +167,7 @@ impl Contact {
     ///
     /// # Errors
     /// If `toward` is zero or not finite.
-    pub fn with_approach(self, toward: DVec2) -> Result<Self, Error> {
+    pub fn with_approach(self, toward: V) -> Result<Self, Error> {
         Ok(Self { approach: Some(direction("approach", toward)?), ..self })
     }
 
@@ -160,17 +175,17 @@ impl Contact {
     ///
     /// # Errors
     /// If `start` is not finite.
-    pub fn with_start(self, start: DVec2) -> Result<Self, Error> {
+    pub fn with_start(self, start: V) -> Result<Self, Error> {
         Ok(Self { start: Some(finite("start", start)?), ..self })
     }
 }
 
-impl Miss {
+impl<V: Dimension> Miss<V> {
     /// A free sweep from `start` to `end`.
     ///
     /// # Errors
     /// If a number is not finite or negative.
-    pub fn new(start: DVec2, end: DVec2, tip_radius: f64, path_error: f64) -> Result<Self, Error> {
+    pub fn new(start: V, end: V, tip_radius: f64, path_error: f64) -> Result<Self, Error> {
         Ok(Self {
             start: finite("start", start)?,
             end: finite("end", end)?,

@@ -5,16 +5,19 @@
 pub enum Feature {
     /// A face, by its number.
     Face(u32),
+    /// An edge, by its number; only in space.
+    Edge(u32),
     /// A vertex, by its number.
     Vertex(u32),
 }
 
 impl Feature {
-    /// `"face"` or `"vertex"`.
+    /// `"face"`, `"edge"` or `"vertex"`.
     #[must_use]
     pub fn kind(self) -> &'static str {
         match self {
             Self::Face(_) => "face",
+            Self::Edge(_) => "edge",
             Self::Vertex(_) => "vertex",
         }
     }
@@ -23,7 +26,7 @@ impl Feature {
     #[must_use]
     pub fn number(self) -> u32 {
         match self {
-            Self::Face(number) | Self::Vertex(number) => number,
+            Self::Face(number) | Self::Edge(number) | Self::Vertex(number) => number,
         }
     }
 }

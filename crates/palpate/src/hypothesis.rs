@@ -2,8 +2,10 @@
 
 use std::sync::Arc as Shared;
 
+use glam::DVec2;
+
 use crate::Feature;
-use crate::plane::{Model, Pose, PoseSet};
+use crate::dimension::{Dimension, Poses};
 
 /// A number that was counted, or of which only a lower bound is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,29 +26,29 @@ impl std::ops::Add for Count {
 
 /// One answer: interpretations of one model whose poses run into each other.
 #[derive(Debug, Clone)]
-pub struct Hypothesis {
+pub struct Hypothesis<V: Dimension = DVec2> {
     /// The model.
-    pub model: Shared<Model>,
+    pub model: Shared<V::Model>,
     /// Its number among those that were asked for.
     pub model_number: usize,
     /// All its poses.
-    pub poses: PoseSet,
+    pub poses: V::PoseSet,
 }
 
 /// A model with one feature for each contact, and the poses that satisfy them.
 #[derive(Debug, Clone)]
-pub struct Interpretation {
+pub struct Interpretation<V: Dimension = DVec2> {
     /// The model.
-    pub model: Shared<Model>,
+    pub model: Shared<V::Model>,
     /// Its number among those that were asked for.
     pub model_number: usize,
     /// One feature for each contact, in their order.
     pub assignment: Vec<Feature>,
     /// All its poses.
-    pub poses: PoseSet,
+    pub poses: V::PoseSet,
 }
 
-impl Hypothesis {
+impl<V: Dimension> Hypothesis<V> {
     /// Whether it is kept only thanks to the tolerance τ.
     #[must_use]
     pub fn marginal(&self) -> bool {
@@ -55,7 +57,7 @@ impl Hypothesis {
 
     /// The pose with the largest slack: the worst reading uses the smallest share of its bounds.
     #[must_use]
-    pub fn world_from_model(&self) -> Pose {
+    pub fn world_from_model(&self) -> V::Pose {
         self.poses.largest_slack()
     }
 
@@ -66,7 +68,7 @@ impl Hypothesis {
     }
 
     /// Its interpretations one by one, found as they are asked for.
-    pub fn interpretations(&self) -> impl Iterator<Item = Interpretation> + use<> {
+    pub fn interpretations(&self) -> impl Iterator<Item = Interpretation<V>> + use<V> {
         let hypothesis = self.clone();
         self.poses.assignments().map(move |assignment| Interpretation {
             model: Shared::clone(&hypothesis.model),
@@ -75,4 +77,21 @@ impl Hypothesis {
             assignment,
         })
     }
+}
+
+/// Every choice of one member of each set, the last set varying fastest.
+pub(crate) fn choices(sets: Vec<Vec<Feature>>) -> impl Iterator<Item = Vec<Feature>> {
+    let mut at = (!sets.iter().any(Vec::is_empty)).then(|| vec![0; sets.len()]);
+    std::iter::from_fn(move || {
+        let choice = at.as_ref()?.iter().zip(&sets).map(|(k, set)| set[*k]).collect();
+        let places = at.as_mut()?;
+        let advanced = (0..sets.len()).rev().any(|slot| {
+            places[slot] = (places[slot] + 1) % sets[slot].len();
+            places[slot] != 0
+        });
+        if !advanced {
+            at = None;
+        }
+        Some(choice)
+    })
 }

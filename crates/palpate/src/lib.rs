@@ -8,16 +8,21 @@
 pub mod ambiguity;
 mod best;
 pub mod contact;
+pub mod dimension;
 pub mod error;
 pub mod feature;
+mod groups;
 pub mod hypothesis;
 pub mod judge;
+mod nearest;
+pub mod part;
 pub mod path;
 pub mod plan;
 pub mod plane;
 pub mod projection;
 pub mod recognize;
 pub mod sensor;
+pub mod space;
 pub mod tree;
 pub mod why;
 
@@ -26,15 +31,17 @@ pub use ambiguity::{
     plan_tree_until, verification_along, verification_path, verification_until,
 };
 pub use contact::{Contact, Evidence, Miss, Normal, Prior};
+pub use dimension::{Dimension, Poses};
 pub use error::Error;
 pub use feature::Feature;
 pub use hypothesis::{Count, Hypothesis, Interpretation};
 pub use judge::{Fault, Outcome, Reading, Touch, Verdict};
+pub use part::{Mend, Surface};
 pub use path::Path;
 pub use plan::{EllisCounters, Plan, PlanSettings, Planner, Prepared, Stop, judge, plan, plan_until};
 pub use projection::{
     FaceOf, Overlap, Projection, ProjectionSpace, Sheaf, projection_space, projection_space_until,
 };
-pub use recognize::{ModelReport, Recognition, Settings, recognize, recognize_until};
+pub use recognize::{Explanations, ModelReport, Recognition, Settings, recognize, recognize_until};
 pub use sensor::Sensor;
 pub use why::Why;

@@ -4,11 +4,12 @@ use std::sync::Arc as Shared;
 use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering::Relaxed;
 
+use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::contact::GRAZING;
+use crate::dimension::Dimension;
 use crate::hypothesis::{Count, Hypothesis};
-use crate::plane::{self, Case, Model};
 use crate::tree::Counters;
 use crate::{Error, Evidence};
 
@@ -20,6 +21,8 @@ pub type Halt = Shared<AtomicBool>;
 pub struct Settings {
     /// Contacts may lie on faces.
     pub faces: bool,
+    /// Contacts may lie on edges (in space); `None`: if a tip has a radius.
+    pub edges: Option<bool>,
     /// Contacts may lie on vertices; `None`: if a tip has a radius.
     pub vertices: Option<bool>,
     /// τ, relative to the size of the part: what is valid within it counts as valid.
@@ -30,8 +33,33 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { faces: true, vertices: None, tolerance: 1e-6, max_hypotheses: 1000 }
+        Self { faces: true, edges: None, vertices: None, tolerance: 1e-6, max_hypotheses: 1000 }
     }
+}
+
+impl Settings {
+    /// Whether contacts may lie on vertices.
+    pub(crate) fn vertices<V: Dimension>(&self, evidence: &Evidence<V>) -> bool {
+        self.vertices.unwrap_or_else(|| evidence.has_tips())
+    }
+
+    /// Whether contacts may lie on edges.
+    pub(crate) fn edges<V: Dimension>(&self, evidence: &Evidence<V>) -> bool {
+        self.edges.unwrap_or_else(|| evidence.has_tips())
+    }
+}
+
+/// All that one model has to say to the evidence.
+#[derive(Debug)]
+pub struct Explanations<V: Dimension = DVec2> {
+    /// The pose sets of its hypotheses.
+    pub hypotheses: Vec<V::PoseSet>,
+    /// Of the interpretation tree.
+    pub counters: Counters,
+    /// Boxes of poses examined where the tree was given up.
+    pub num_boxes: u64,
+    /// Nothing was left out.
+    pub complete: bool,
 }
 
 /// What was done for one model.
@@ -47,9 +75,9 @@ pub struct ModelReport {
 
 /// Every hypothesis.
 #[derive(Debug, Clone)]
-pub struct Recognition {
+pub struct Recognition<V: Dimension = DVec2> {
     /// In the order of the models.
-    pub hypotheses: Vec<Hypothesis>,
+    pub hypotheses: Vec<Hypothesis<V>>,
     /// If there is none: contacts (by number) that no model and pose explains together. The smallest such set up to
     /// ten contacts; above, one from which none can be left out. Misses and prior count as they are.
     pub conflict: Option<Vec<usize>>,
@@ -59,7 +87,7 @@ pub struct Recognition {
     pub complete: bool,
 }
 
-impl Recognition {
+impl<V: Dimension> Recognition<V> {
     /// How many interpretations all hypotheses have.
     #[must_use]
     pub fn interpretation_count(&self) -> Count {
@@ -90,11 +118,11 @@ impl Recognition {
 /// # Errors
 /// No models, no contacts, no kind of feature, a tolerance out of range, or a contact whose normal contradicts its
 /// approach.
-pub fn recognize(
-    models: &[Shared<Model>],
-    evidence: &Evidence,
+pub fn recognize<V: Dimension>(
+    models: &[Shared<V::Model>],
+    evidence: &Evidence<V>,
     settings: &Settings,
-) -> Result<Recognition, Error> {
+) -> Result<Recognition<V>, Error> {
     recognize_until(models, evidence, settings, &Shared::default())
 }
 
@@ -102,15 +130,15 @@ pub fn recognize(
 ///
 /// # Errors
 /// As [`recognize`].
-pub fn recognize_until(
-    models: &[Shared<Model>],
-    evidence: &Evidence,
+pub fn recognize_until<V: Dimension>(
+    models: &[Shared<V::Model>],
+    evidence: &Evidence<V>,
     settings: &Settings,
     stop: &Halt,
-) -> Result<Recognition, Error> {
+) -> Result<Recognition<V>, Error> {
     check(models, evidence, settings)?;
-    let explanations: Vec<plane::Explanations> =
-        models.par_iter().map(|model| explain(model, evidence, settings, stop)).collect();
+    let explanations: Vec<Explanations<V>> =
+        models.par_iter().map(|model| V::explain(model, evidence, settings, stop)).collect();
     let reports = explanations.iter().map(|one| ModelReport {
         counters: one.counters,
         num_boxes: one.num_boxes,
@@ -136,25 +164,18 @@ pub fn recognize_until(
     Ok(Recognition { hypotheses, conflict, reports, complete })
 }
 
-fn explain(
-    model: &Shared<Model>,
-    evidence: &Evidence,
+fn check<V: Dimension>(
+    models: &[Shared<V::Model>],
+    evidence: &Evidence<V>,
     settings: &Settings,
-    stop: &Halt,
-) -> plane::Explanations {
-    let tips = evidence.contacts.iter().any(|contact| contact.tip_radius > 0.0);
-    let tables = model.feature_tables(settings.faces, settings.vertices.unwrap_or(tips));
-    plane::explain(Case::new(model, evidence, settings.tolerance).until(stop), tables)
-}
-
-fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> Result<(), Error> {
+) -> Result<(), Error> {
     if models.is_empty() {
         return Err(Error::new("models", "must not be empty", "[]", "give at least one model"));
     }
     if evidence.contacts.is_empty() {
         return Err(Error::new("contacts", "must not be empty", "[]", "give at least one contact"));
     }
-    if !settings.faces && settings.vertices == Some(false) {
+    if !settings.faces && settings.edges != Some(true) && settings.vertices == Some(false) {
         return Err(Error::new("features", "must not be empty", "()", "give \"face\", \"vertex\" or both"));
     }
     if !(1e-9..=1e-2).contains(&settings.tolerance) {
@@ -162,10 +183,10 @@ fn check(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings) -> 
         return Err(Error::new("tolerance", "is out of range", settings.tolerance, remedy));
     }
     check_lengths(models, evidence)?;
-    let slack = models.iter().map(|model| model.normal_slack).fold(0.0, f64::max);
+    let slack = models.iter().map(|model| V::normal_slack(model)).fold(0.0, f64::max);
     for (number, contact) in evidence.contacts.iter().enumerate() {
         if let (Some(normal), Some(approach)) = (contact.normal, contact.approach)
-            && normal.direction.angle_to(-approach).abs()
+            && normal.direction.angle_between(-approach)
                 > std::f64::consts::FRAC_PI_2 + normal.error + slack + GRAZING
         {
             let value = format!("normal {}, approach {approach}", normal.direction);
@@ -201,18 +222,18 @@ fn within(argument: &str, lengths: &[f64], size: f64, most: f64) -> Result<(), E
 }
 
 /// Coordinates and radii that leave no digits for the part.
-fn check_lengths(models: &[Shared<Model>], evidence: &Evidence) -> Result<(), Error> {
-    let size = models.iter().map(|model| model.size).fold(0.0, f64::max);
+fn check_lengths<V: Dimension>(models: &[Shared<V::Model>], evidence: &Evidence<V>) -> Result<(), Error> {
+    let size = models.iter().map(|model| V::size(model)).fold(0.0, f64::max);
     for (number, contact) in evidence.contacts.iter().enumerate() {
         let start = contact.start.unwrap_or(contact.center);
-        let lengths = [contact.center, start].map(|at| at.to_array()).concat();
-        let lengths = [lengths, vec![contact.position_error]].concat();
+        let [center, start] = [contact.center, start].map(V::largest_coordinate);
+        let lengths = [center, start, contact.position_error];
         check_reach(&format!("contacts[{number}]"), &lengths, size)?;
         check_tip(&format!("contacts[{number}]"), contact.tip_radius, size)?;
     }
     for (number, miss) in evidence.misses.iter().enumerate() {
-        let lengths = [miss.start, miss.end].map(|at| at.to_array()).concat();
-        let lengths = [lengths, vec![miss.path_error]].concat();
+        let [start, end] = [miss.start, miss.end].map(V::largest_coordinate);
+        let lengths = [start, end, miss.path_error];
         check_reach(&format!("misses[{number}]"), &lengths, size)?;
         check_tip(&format!("misses[{number}]"), miss.tip_radius, size)?;
     }
@@ -223,12 +244,17 @@ fn check_lengths(models: &[Shared<Model>], evidence: &Evidence) -> Result<(), Er
 const MOST_EXHAUSTIVE: usize = 10;
 
 /// Contacts that can't hold together (DESIGN §4).
-fn conflict(models: &[Shared<Model>], evidence: &Evidence, settings: &Settings, stop: &Halt) -> Vec<usize> {
+fn conflict<V: Dimension>(
+    models: &[Shared<V::Model>],
+    evidence: &Evidence<V>,
+    settings: &Settings,
+    stop: &Halt,
+) -> Vec<usize> {
     let explained = |members: &[usize]| {
         let contacts = members.iter().map(|number| evidence.contacts[*number]).collect();
         let evidence = Evidence { contacts, ..evidence.clone() };
         models.par_iter().any(|model| {
-            let found = explain(model, &evidence, settings, stop);
+            let found = V::explain(model, &evidence, settings, stop);
             !found.hypotheses.is_empty() || !found.complete
         })
     };

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate import Hypothesis, Interpretation, Model, Recognition
+from palpate import Found, Hypothesis, Interpretation, Model, Recognition
 
 
 def print_document(document: dict[str, Any]) -> None:
@@ -30,13 +30,13 @@ def excursion_bound(hypothesis: Hypothesis) -> float:
     return max(hypothesis.poses.excursion(vertex) for vertex in hypothesis.model.vertices)
 
 
-def hypothesis_count(found: Recognition) -> int:
+def hypothesis_count(found: Recognition | Found) -> int:
     """How many were found: more than are returned, where there are more than were asked for."""
     return sum(counters["hypotheses"] for counters in found.counters)
 
 
 def recognition_document(
-    found: Recognition,
+    found: Recognition | Found,
     models: Sequence[Model],
     *,
     num_contacts: int,

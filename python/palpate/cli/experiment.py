@@ -31,14 +31,7 @@ def experiment(
         str, typer.Argument(metavar="NAME", parser=_name, help=f"{', '.join(EXPERIMENTS)}, or {ALL}.")
     ],
     *,
-    cluster: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Compute on a Dask cluster: local, local:N, or a scheduler such as tcp://host:8786. "
-            "Else in this process.",
-        ),
-    ] = None,
+    cluster: options.Cluster = None,
     out: Annotated[
         Path,
         typer.Option(

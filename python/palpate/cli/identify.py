@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from palpate import Model, Result, Sensor, SimulatedProbe, load_models
+from palpate import Model, Result, Sensor, SimulatedProbe, load_models, random_contacts
 from palpate import identify as identify_part
 from palpate import replay as replay_run
 from palpate.cli import identify_options, options, plan_options
@@ -18,10 +18,14 @@ from palpate.cli.parts import Parts, load_parts, part_notes
 from palpate.cli.plan_report import sensor_words
 from palpate.cli.recognize import pose_of, prior_of
 from palpate.cli.run_report import Story, check_run_picture, draw_run, print_result, result_document
+from palpate.contacts import Evidence, read_contacts
 from palpate.loop.reading import read_log, settings_of_log
 from palpate.loop.route import Array, workspace_of
+from palpate.loop.settings import MAX_TOUCHES
 from palpate.probe import Noise as NoiseName
 from palpate.probe import random_pose
+from palpate.truth import number_of_truth
+from palpate.usual import MAX_INCIDENCE_DEG, NORMAL_ERROR_DEG, POSITION_ERROR
 
 ACROSS = 3.0  # the workspace in sizes of the largest part, if it is not given
 ROOM = 0.02  # of the part, between it and the border, at a random pose
@@ -35,10 +39,10 @@ def identify(
     pose: identify_options.Pose = "random",
     noise: identify_options.Noise = "uniform",
     overtravel: identify_options.Overtravel = 0.0,
-    position_error: identify_options.PositionError = 0.5,
-    normal_error_deg: identify_options.NormalErrorDeg = 4.0,
+    position_error: identify_options.PositionError = POSITION_ERROR,
+    normal_error_deg: identify_options.NormalErrorDeg = NORMAL_ERROR_DEG,
     no_normal: identify_options.NoNormal = False,
-    max_incidence_deg: plan_options.MaxIncidenceDeg = 60.0,
+    max_incidence_deg: plan_options.MaxIncidenceDeg = MAX_INCIDENCE_DEG,
     tip_radius: identify_options.TipRadius = 0.0,
     path_error: identify_options.PathError = 0.0,
     workspace: plan_options.Workspace = None,
@@ -47,9 +51,11 @@ def identify(
     prior_rotation_deg: options.PriorRotationDeg = None,
     features: options.Features = None,
     max_hypotheses: options.MaxHypotheses = None,
+    contacts: identify_options.ContactsFile = None,
+    drawn: identify_options.Drawn = None,
     blind: identify_options.Blind = None,
     until: identify_options.Until = None,
-    max_touches: identify_options.MaxTouches = 200,
+    max_touches: identify_options.MaxTouches = MAX_TOUCHES,
     planner: plan_options.Planner = "auto",
     stop: plan_options.Stop = "perfect",
     directions: plan_options.Directions = None,
@@ -61,6 +67,8 @@ def identify(
     unit: options.Unit = "mm",
     layers: options.Layers = None,
     flattening: options.Flattening = None,
+    position_slack: options.PositionSlack = 0.0,
+    normal_slack_deg: options.NormalSlackDeg = 0.0,
     plot: identify_options.Plot = None,
     json: options.Json = False,
 ) -> None:
@@ -73,7 +81,14 @@ def identify(
     check_run_picture(plot)
     if resume and log is None:
         raise ValueError("--resume: must be given with --log; name the log of the run")
-    parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
+    parts = load_parts(
+        models,
+        unit=unit,
+        layers=layers,
+        flattening=flattening,
+        position_slack=position_slack,
+        normal_slack_deg=normal_slack_deg,
+    )
     lying = _truth(parts, truth, unit=unit)
     size = max(model.size for model in [*parts.models, lying])
     area = _workspace(workspace, pose, size)
@@ -88,8 +103,28 @@ def identify(
         noise=cast(NoiseName, noise),
         overtravel=overtravel,
     )
+    evidence = Evidence([], [])
+    if contacts is not None:
+        if drawn is not None:
+            raise ValueError(f"--drawn {drawn}: must be given without --contacts; choose one")
+        evidence = read_contacts(
+            contacts,
+            unit=unit,
+            position_error=position_error,
+            normal_error_deg=None if no_normal else normal_error_deg,
+            tip_radius=tip_radius,
+            path_error=path_error,
+        )
+    elif drawn is not None:
+        first = random_contacts(
+            lying, world_from_truth, sensor, count=drawn, seed=seed, noise=cast(NoiseName, noise)
+        )
+        evidence = Evidence(first, [])
+    prior = prior_of(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg)
     settings: dict[str, Any] = {
-        "prior": prior_of(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg),
+        "prior": prior or evidence.prior,
+        "contacts": evidence.contacts,
+        "misses": evidence.misses,
         "blind": blind,
         "planner": planner,
         "stop": plan_options.stop_of(stop),
@@ -189,5 +224,5 @@ def _verdict(result: Result, truth: Model, world_from_truth: Array) -> str:
     x, y = world_from_truth[:2, 2]
     angle = math.degrees(math.atan2(world_from_truth[1, 0], world_from_truth[0, 0]))
     lies = f"{truth.name} lies at x {x:.6g}, y {y:.6g}, turned by {angle:.6g}°"
-    kept = any(one.model == truth and one.poses.contains(world_from_truth) for one in result.hypotheses)
+    kept = number_of_truth(result.hypotheses, truth, world_from_truth) is not None
     return f"the truth: {lies}: {'among what is left' if kept else 'not among what is left'}."

@@ -123,6 +123,25 @@ PathError = Annotated[
         rich_help_panel="Sensor",
     ),
 ]
+ContactsFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--contacts",
+        metavar="FILE",
+        help="What was touched before, as .csv or .json; nothing is scanned then, but for --blind.",
+        show_default=False,
+    ),
+]
+Drawn = Annotated[
+    int | None,
+    typer.Option(
+        parser=options.whole(1, 10**6),
+        metavar="N",
+        help="Begin with N contacts at random places of the part instead of scans.",
+        rich_help_panel="Simulation",
+        show_default=False,
+    ),
+]
 Blind = Annotated[
     int | None,
     typer.Option(

@@ -15,6 +15,8 @@ def models(
     unit: options.Unit = "mm",
     layers: options.Layers = None,
     flattening: options.Flattening = None,
+    position_slack: options.PositionSlack = 0.0,
+    normal_slack_deg: options.NormalSlackDeg = 0.0,
     plot: options.Plot = None,
     json: options.Json = False,
 ) -> None:
@@ -24,7 +26,15 @@ def models(
 
         check_picture_path(plot)
     parts = patiently(
-        lambda: load_parts(models, unit=unit, layers=layers, flattening=flattening), saying="reading models"
+        lambda: load_parts(
+            models,
+            unit=unit,
+            layers=layers,
+            flattening=flattening,
+            position_slack=position_slack,
+            normal_slack_deg=normal_slack_deg,
+        ),
+        saying="reading models",
     )
     console = results()
     if json:

@@ -46,6 +46,7 @@ def whole(least: int = 0, most: int | None = None) -> Callable[[str | int], int]
 
 length = number(0.0, math.inf, "a length, zero or more, in the models' unit")
 direction_error_deg = number(0.0, 90.0, "an angle in degrees, from 0 to 90")
+slack_deg = number(0.0, 89.0, "an angle in degrees, from 0 to 89")
 rotation_deg = number(0.0, 180.0, "an angle in degrees, from 0 to 180")
 
 
@@ -161,7 +162,7 @@ Layers = Annotated[
         parser=names,
         metavar="NAME,...",
         help="Layers of DXF drawings to read; else all that are shown.",
-        rich_help_panel="Drawings",
+        rich_help_panel="Model files",
     ),
 ]
 Flattening = Annotated[
@@ -169,8 +170,26 @@ Flattening = Annotated[
     typer.Option(
         parser=length,
         metavar="LENGTH",
-        help="How far chords may be from the curves of a drawing; else 0.05 mm.",
-        rich_help_panel="Drawings",
+        help="How far chords may be from curves of a drawing, triangles from those of STEP; else 0.05 mm.",
+        rich_help_panel="Model files",
+    ),
+]
+PositionSlack = Annotated[
+    float,
+    typer.Option(
+        parser=length,
+        metavar="LENGTH",
+        help="How far the true parts may lie from what their files say, beyond what is known of it.",
+        rich_help_panel="Model files",
+    ),
+]
+NormalSlackDeg = Annotated[
+    float,
+    typer.Option(
+        parser=slack_deg,
+        metavar="DEG",
+        help="The same for their normals.",
+        rich_help_panel="Model files",
     ),
 ]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="Draw a picture: .svg, .png or .pdf.")]
@@ -181,4 +200,12 @@ PlotRange = Annotated[
     ),
 ]
 Stats = Annotated[bool, typer.Option("--stats", metavar="", help="Show what the search did.")]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Compute on a Dask cluster: local, local:N, or a scheduler such as tcp://host:8786. "
+        "Else in this process.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", metavar="", help="Print JSON, for machines.")]

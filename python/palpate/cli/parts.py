@@ -27,14 +27,29 @@ class Parts:
         ]
 
 
-def load_parts(paths: Sequence[str], *, unit: str, layers: str | None, flattening: float | None) -> Parts:
+def load_parts(
+    paths: Sequence[str],
+    *,
+    unit: str,
+    layers: str | None,
+    flattening: float | None,
+    position_slack: float,
+    normal_slack_deg: float,
+) -> Parts:
     """The models of files, folders and bundled parts, in this order; `layers` are separated by commas."""
     names = None if layers is None else [name.strip() for name in layers.split(",")]
     try:
         loaded = [
             (model, path)
             for path in paths
-            for model in load_models(path, unit=unit, layers=names, flattening=flattening)
+            for model in load_models(
+                path,
+                unit=unit,
+                layers=names,
+                flattening=flattening,
+                position_slack=position_slack,
+                normal_slack=math.radians(normal_slack_deg),
+            )
         ]
     except ValueError as error:
         raise ValueError(with_flags(str(error))) from None

@@ -103,6 +103,8 @@ def plan(
     unit: options.Unit = "mm",
     layers: options.Layers = None,
     flattening: options.Flattening = None,
+    position_slack: options.PositionSlack = 0.0,
+    normal_slack_deg: options.NormalSlackDeg = 0.0,
     plot: options.Plot = None,
     plot_tree: plan_options.PlotTree = None,
     plot_projection: plan_options.PlotProjection = None,
@@ -120,7 +122,14 @@ def plan(
     _check_pictures(pictures.files)
     if method is not None and not tree and plot_tree is None:
         raise ValueError(f"--method: {method!r} is of a tree; give --tree or --plot-tree, or leave it out")
-    parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
+    parts = load_parts(
+        models,
+        unit=unit,
+        layers=layers,
+        flattening=flattening,
+        position_slack=position_slack,
+        normal_slack_deg=normal_slack_deg,
+    )
     evidence = read_contacts(
         contacts,
         unit=unit,

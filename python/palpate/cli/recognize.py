@@ -36,6 +36,8 @@ def recognize(
     unit: options.Unit = "mm",
     layers: options.Layers = None,
     flattening: options.Flattening = None,
+    position_slack: options.PositionSlack = 0.0,
+    normal_slack_deg: options.NormalSlackDeg = 0.0,
     plot: options.Plot = None,
     plot_range: options.PlotRange = None,
     stats: options.Stats = False,
@@ -48,7 +50,14 @@ def recognize(
     Exit code 0: there is an answer, also where it is that nothing explains the contacts; 2: bad input.
     """
     _check_plot(plot, plot_range)
-    parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
+    parts = load_parts(
+        models,
+        unit=unit,
+        layers=layers,
+        flattening=flattening,
+        position_slack=position_slack,
+        normal_slack_deg=normal_slack_deg,
+    )
     evidence = read_contacts(
         contacts,
         unit=unit,

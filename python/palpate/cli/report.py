@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from palpate import Hypothesis, Model, Recognition
+from palpate import Found, Hypothesis, Model, Recognition
 from palpate.cli.documents import excursion_bound, hypothesis_count, planar
 from palpate.cli.parts import Parts, slack_words, with_flags
 from palpate.contacts import Evidence
@@ -29,7 +29,7 @@ USUAL_CAUSES = (
 
 def print_recognition(
     console: Console,
-    found: Recognition,
+    found: Recognition | Found,
     *,
     evidence: Evidence,
     labels: Sequence[str],
@@ -135,7 +135,7 @@ def _words(items: Sequence[str]) -> str:
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
 
 
-def _verdict(found: Recognition, labels: Sequence[str]) -> str:
+def _verdict(found: Recognition | Found, labels: Sequence[str]) -> str:
     numbers = list(dict.fromkeys(hypothesis.model_number for hypothesis in found.hypotheses))
     parts = [escape(labels[number]) for number in numbers]
     interpretations = _at_least(found.interpretation_count, found.interpretation_count_exact)

@@ -14,7 +14,8 @@ from palpate.cli.console import patiently
 from palpate.cli.documents import recognition_document
 from palpate.cli.report import decimal, print_recognition
 from palpate.contacts import Evidence
-from palpate.loop.entries import contact_entry, miss_entry, reply_event
+from palpate.loop.entries import contact_entry, miss_entry, path_told, reply_event
+from palpate.loop.result import PURPOSES, hypotheses_words
 
 STATUS = {
     "solved": "green",
@@ -26,7 +27,6 @@ STATUS = {
     "nothing_found": "red",
     "fault": "red",
 }
-WHY = {"scan": "scan", "path": "path", "verify": "one more touch"}
 
 
 class Story:
@@ -53,9 +53,9 @@ class Story:
         self.begin()
         self._number += 1
         met = _met(step, self._size)
-        left = "" if step.hypotheses is None else f"; {_many(len(step.hypotheses))} left"
+        left = "" if step.hypotheses is None else f"; {hypotheses_words(len(step.hypotheses))} left"
         self._console.print(
-            f"{self._number:3} {WHY[step.purpose]} from {_place(step.start, self._size)}"
+            f"{self._number:3} {PURPOSES[step.purpose]} from {_place(step.start, self._size)}"
             f" at {_angle_deg(step.end - step.start):.1f}°: {met}{left}",
             markup=False,
             soft_wrap=True,
@@ -85,6 +85,9 @@ def print_result(
     if result.until_met is not None:
         console.print(f"The poses are {'' if result.until_met else 'not '}as tight as was asked.")
     if result.found is not None:
+        if result.found.refuted:
+            refuted = hypotheses_words(len(result.found.refuted))
+            console.print(f"{refuted} more would explain the contacts, but not what the moves met first.")
         evidence = Evidence(result.contacts, result.misses)
         print_recognition(console, result.found, evidence=evidence, labels=labels, notes=notes, unit=unit)
 
@@ -109,6 +112,7 @@ def result_document(result: Result, models: Sequence[Model], *, unit: str) -> di
         "misses": [miss_entry(miss) for miss in result.misses],
         "steps": [_step(step) for step in result.steps],
         "found": found,
+        "seconds": {"recognition": result.recognition_time, "planning": result.planning_time},
     }
 
 
@@ -153,6 +157,7 @@ def _step(step: Step) -> dict[str, Any]:
         "start": step.start.tolist(),
         "end": step.end.tolist(),
         "route": [point.tolist() for point in step.route],
+        "path": None if step.path is None else path_told(step.path),
         "reply": answer["kind"],
         "hypothesis_count": None if step.hypotheses is None else len(step.hypotheses),
     }
@@ -181,7 +186,3 @@ def _place(point: Any, size: float) -> str:
 
 def _angle_deg(direction: Any) -> float:
     return math.degrees(math.atan2(direction[1], direction[0]))
-
-
-def _many(count: int) -> str:
-    return f"{count} hypothes{'is' if count == 1 else 'es'}"

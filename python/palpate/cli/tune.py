@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -15,6 +16,7 @@ from palpate.cli import identify_options, options, plan_options
 from palpate.cli.console import results
 from palpate.cli.documents import print_document
 from palpate.cli.parts import load_parts
+from palpate.usual import MAX_INCIDENCE_DEG, NORMAL_ERROR_DEG, POSITION_ERROR
 
 Problems = Annotated[
     int,
@@ -38,11 +40,17 @@ TouchTime = Annotated[
         rich_help_panel="Machine",
     ),
 ]
+Out = Annotated[
+    Path,
+    typer.Option(metavar="FOLDER", help="Where rows go. Rows that are there are not computed again."),
+]
 
 HEADINGS = [
     "stop",
     "contacts",
     "bounds",
+    "loops",
+    "lost",
     "solved",
     "others",
     "touches",
@@ -57,63 +65,77 @@ def tune(
     models: options.Models,
     *,
     problems: Problems = 30,
-    position_error: identify_options.PositionError = 0.5,
-    normal_error_deg: identify_options.NormalErrorDeg = 4.0,
+    position_error: identify_options.PositionError = POSITION_ERROR,
+    normal_error_deg: identify_options.NormalErrorDeg = NORMAL_ERROR_DEG,
     no_normal: identify_options.NoNormal = False,
-    max_incidence_deg: plan_options.MaxIncidenceDeg = 60.0,
+    max_incidence_deg: plan_options.MaxIncidenceDeg = MAX_INCIDENCE_DEG,
     tip_radius: identify_options.TipRadius = 0.0,
     path_error: identify_options.PathError = 0.0,
     speed: Speed = 100.0,
     touch_time: TouchTime = 1.0,
     seed: plan_options.Seed = 0,
+    cluster: options.Cluster = None,
+    out: Out = Path("palpate-tune"),
     unit: options.Unit = "mm",
     layers: options.Layers = None,
     flattening: options.Flattening = None,
+    position_slack: options.PositionSlack = 0.0,
+    normal_slack_deg: options.NormalSlackDeg = 0.0,
     json: options.Json = False,
 ) -> None:
     """Which stop rule, how many first contacts, which bounds for a set of models (thesis 6.1).
 
     Closed loops with simulated parts at random poses, each setting on the same problems. What a part costs is
-    the time to move, to touch and to compute; the last is measured here.
+    the time to move, to touch and to compute; the last is measured here. Where the best two settings cost
+    nearly the same, they get more problems.
 
-    Exit code 0: there is an answer; 2: bad input.
+    Exit code 0: there is an answer; 1: a loop lost the truth, which is a fault; 2: bad input.
     """
-    from palpate.experiments import campaign
     from palpate.experiments import tune as tuning
 
-    parts = load_parts(models, unit=unit, layers=layers, flattening=flattening)
+    parts = load_parts(
+        models,
+        unit=unit,
+        layers=layers,
+        flattening=flattening,
+        position_slack=position_slack,
+        normal_slack_deg=normal_slack_deg,
+    )
     normal_error = None if no_normal else math.radians(normal_error_deg)
     sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
     costs = tuning.Costs(speed, touch_time)
-    with campaign.Bar(None, "tune", total=tuning.num_loops(problems), quiet=True) as advance:
-        advice = tuning.tune(parts.models, sensor, costs, problems=problems, seed=seed, advance=advance)
+    advice = tuning.tune(parts.models, sensor, costs, problems=problems, out=out, seed=seed, cluster=cluster)
     made = tuning.document(advice, parts.models, sensor, unit=unit, seed=seed)
     if json:
         print_document(made)
     else:
         _print(results(), made, unit=unit)
+    if any(one["lost"] for one in made["tried"]):
+        raise typer.Exit(1)
 
 
 def _print(console: Console, made: dict[str, Any], *, unit: str) -> None:
-    loops = made["loops"]
-    shown = Table(title=f"{loops} loops for each setting, seed {made['seed']}")
+    title = f"{made['loops']} loops for each setting, more for the best two if close; seed {made['seed']}"
+    shown = Table(title=title)
     for heading in HEADINGS:
         shown.add_column(heading, justify="right")
     for one in made["tried"]:
-        shown.add_row(*cells(one, loops))
+        shown.add_row(*cells(one))
     console.print(shown)
     for line in advice_lines(made, unit=unit):
         console.print(line, soft_wrap=True)
 
 
-def cells(one: dict[str, Any], loops: int) -> list[str]:
+def cells(one: dict[str, Any]) -> list[str]:
     """A row of the table, as `HEADINGS`."""
     status = dict(one["status"])
-    solved = status.pop("solved", 0)
+    solved, loops = status.pop("solved", 0), one["loops"]
     return [
         one["stop"],
         "auto" if one["blind"] is None else str(one["blind"]),
         bounds_words(one, unit=""),
+        str(loops),
+        str(one["lost"]),
         f"{100 * solved / loops:.0f} %",
         ", ".join(f"{count} {name}" for name, count in sorted(status.items())) or "-",
         f"{one['touches']:.1f}",

@@ -25,6 +25,7 @@ from rich.progress import (
 )
 
 from palpate import __version__
+from palpate.experiments.build import build
 
 Row: TypeAlias = dict[str, Any]
 CLUSTER_HELP = "local, local:N, or the address of a Dask scheduler; else this process alone"
@@ -40,6 +41,7 @@ def run(  # noqa: PLR0917 - what is computed, by what, and where it goes
     *,
     cluster: str | None = None,
     progress: Progress | None = None,
+    quiet: bool = False,
 ) -> list[Row]:
     """The rows of all numbers, in their order; those in `file` already are not computed again.
 
@@ -53,13 +55,14 @@ def run(  # noqa: PLR0917 - what is computed, by what, and where it goes
         cluster: None: this process. `"local"` or `"local:N"`: N processes of this machine, one for each core
             if N is not given. Else the address of a Dask scheduler, such as `"tcp://10.0.0.5:8786"`.
         progress: Where a bar is shown; None: one of its own on stderr, if that is a terminal.
+        quiet: Say nothing of how far it is, where there is no terminal.
 
     Returns:
         The rows as they are read from the file, each with its "number".
 
     Raises:
-        ValueError: A file of another campaign, version or numbers; a cluster that is none; Dask is missing;
-            another version of palpate on a worker.
+        ValueError: A file of another campaign, build or numbers; a cluster that is none; Dask is missing;
+            another build of palpate on a worker.
         ConnectionError: The cluster is lost, or a task ended its worker too often.
     """
     file, wanted = Path(file), sorted(set(numbers))
@@ -70,7 +73,7 @@ def run(  # noqa: PLR0917 - what is computed, by what, and where it goes
         raise ValueError(f"file: {str(file)!r} holds rows of other numbers; name another one, or remove it")
     if missing:
         computed = _computed(task, settings, numbers=missing, cluster=cluster)
-        with Bar(progress, name, total=len(wanted), done=len(wanted) - len(missing)) as advance:
+        with Bar(progress, name, total=len(wanted), done=len(wanted) - len(missing), quiet=quiet) as advance:
             for number, row in _written(file, computed):
                 known[number] = row
                 advance()
@@ -103,6 +106,7 @@ def _header(name: str, settings: dict[str, Any]) -> Row:
         "schema": SCHEMA,
         "version": VERSION,
         "palpate": __version__,
+        "build": build(),
         "name": name,
         "settings": settings,
     }

@@ -17,15 +17,31 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from palpate.experiments import campaign, closed_loop, loop_tables, strangers
+from palpate.experiments import blind, campaign, closed_loop, loop_tables, strangers
 from palpate.experiments.campaign import Row
 from palpate.experiments.experiment import SEEDS, Experiment
 from palpate.experiments.pages import rewrite
+from palpate.experiments.thesis_sensor import parts
+from palpate.usual import NORMAL_ERROR_DEG, POSITION_ERROR
 
-FINE = {"position_error": 0.5, "normal_error_deg": 4.0}
+FINE = {"position_error": POSITION_ERROR, "normal_error_deg": NORMAL_ERROR_DEG}
 COARSE = {"position_error": 4.0, "normal_error_deg": 5.0}
 RIVALS = list(loop_tables.WAYS)[1:]
 TIGHT = {"until": [1.0, 1.0]}
+REPEATS = 10  # problems with each part, as an experiment of its own
+
+
+def _loops(rows: list[Row]) -> str:
+    tables = [loop_tables.ends(loop_tables.by_noise(rows)), loop_tables.distribution(rows)]
+    return "\n\n".join([*tables, loop_tables.by_part(rows)])
+
+
+def _beside(rows: list[Row]) -> str:
+    return loop_tables.beside({"": rows})
+
+
+def _strangers(rows: list[Row]) -> str:
+    return loop_tables.strangers({"": rows})
 
 
 @dataclass(frozen=True)
@@ -36,56 +52,66 @@ class Part:
     task: Callable[..., Row]
     settings: dict[str, Any]
     share: float
-    truth_is_in: bool = True
+    table: Callable[[list[Row]], str]
+
+    @property
+    def truth_is_in(self) -> bool:
+        """Whether the promise's conditions hold."""
+        return self.task is not strangers.task
 
 
+# Their names are those of `palpate experiment`, and of the files with their rows.
 PARTS = {
-    "fine": Part("±0.5, ±4°", closed_loop.task, FINE, 1.0),
-    "coarse": Part("±4, ±5°", closed_loop.task, COARSE, 0.2),
-    "rivals-scan": Part("scans, ±0.5, ±4°", closed_loop.task, {**FINE, "beside": RIVALS}, 0.05),
-    "rivals-drawn": Part(
-        "two contacts, ±0.5, ±4°", closed_loop.task, {**FINE, "start": "drawn", "beside": RIVALS}, 0.05
+    "loops": Part("±0.5, ±4°", closed_loop.task, FINE, 1.0, _loops),
+    "loops-coarse": Part("±4, ±5°", closed_loop.task, COARSE, 0.2, _loops),
+    "loops-mixed": Part(
+        "±0.5, ±4°, tips, path errors, overtravel", closed_loop.task, {**FINE, "mixed": True}, 0.1, _loops
     ),
-    "rivals-coarse": Part(
-        "two contacts, ±4, ±5°", closed_loop.task, {**COARSE, "start": "drawn", "beside": RIVALS}, 0.01
+    "blind": Part("more blind contacts", blind.task, FINE, 0.05, blind.markdown),
+    "beside-scan": Part("scans, ±0.5, ±4°", closed_loop.task, {**FINE, "beside": RIVALS}, 0.05, _beside),
+    "beside-drawn": Part(
+        "two contacts, ±0.5, ±4°",
+        closed_loop.task,
+        {**FINE, "start": "drawn", "beside": RIVALS},
+        0.05,
+        _beside,
     ),
-    "part": Part("a part that is not in the library", strangers.task, {**FINE, "kind": "part"}, 0.1, False),
-    "readings": Part(
-        "errors 2 to 5 times their bounds", strangers.task, {**FINE, "kind": "readings"}, 0.1, False
+    "beside-coarse": Part(
+        "two contacts, ±4, ±5°",
+        closed_loop.task,
+        {**COARSE, "start": "drawn", "beside": RIVALS},
+        0.01,
+        _beside,
     ),
-    "part-verified": Part(
-        "the first, `until=` 1 and 1°", strangers.task, {**FINE, "kind": "part", **TIGHT}, 0.03, False
+    "strange-part": Part(
+        "a part that is not in the library", strangers.task, {**FINE, "kind": "part"}, 0.1, _strangers
     ),
-    "readings-verified": Part(
-        "the second, `until=` 1 and 1°", strangers.task, {**FINE, "kind": "readings", **TIGHT}, 0.03, False
+    "strange-readings": Part(
+        "errors 2 to 5 times their bounds", strangers.task, {**FINE, "kind": "readings"}, 0.1, _strangers
+    ),
+    "strange-part-verified": Part(
+        "the first, `until=` 1 and 1°", strangers.task, {**FINE, "kind": "part", **TIGHT}, 0.03, _strangers
+    ),
+    "strange-readings-verified": Part(
+        "the second, `until=` 1 and 1°",
+        strangers.task,
+        {**FINE, "kind": "readings", **TIGHT},
+        0.03,
+        _strangers,
     ),
 }
 
-
-def _loops(rows: list[Row]) -> str:
-    tables = [loop_tables.ends(loop_tables.by_noise(rows)), loop_tables.distribution(rows)]
-    return "\n\n".join([*tables, loop_tables.by_part(rows)])
-
-
-def _experiment(name: str, table: Callable[[list[Row]], str]) -> Experiment:
-    part = PARTS[name]
-    return Experiment(
+EXPERIMENTS = {
+    name: Experiment(
         title=f"Closed loops: {part.title}",
         task=part.task,
-        table=table,
-        groups=len(closed_loop.library()),
-        repeats=10,
+        table=part.table,
+        groups=len(parts()),
+        repeats=REPEATS,
         settings=part.settings,
         of_thesis=False,
     )
-
-
-EXPERIMENTS = {
-    "loops": _experiment("fine", _loops),
-    "loops-coarse": _experiment("coarse", _loops),
-    "loops-beside": _experiment("rivals-drawn", loop_tables.beside),
-    "loops-strange-part": _experiment("part", lambda rows: loop_tables.strangers({"": rows})),
-    "loops-strange-readings": _experiment("readings", lambda rows: loop_tables.strangers({"": rows})),
+    for name, part in PARTS.items()
 }
 
 
@@ -110,32 +136,30 @@ def faults(done: dict[str, list[Row]]) -> list[str]:
     said = []
     for name, rows in done.items():
         for row in rows:
-            if row["wrong"] and PARTS[name].truth_is_in:
+            if row["lost"] and PARTS[name].truth_is_in:
                 said.append(f"{name}, number {row['number']}: the truth is in no hypothesis left")
-            if row["false"]:
-                said.append(
-                    f"{name}, number {row['number']}: {row['false']} hypotheses contradict the evidence"
-                )
+            if row["contradicted"]:
+                count = row["contradicted"]
+                said.append(f"{name}, number {row['number']}: {count} hypotheses contradict the evidence")
     return said
 
 
 def sections(done: dict[str, list[Row]]) -> dict[str, str]:
     """The parts of the page that are made."""
     groups = {
-        f"{PARTS['fine'].title}: {name}": rows for name, rows in loop_tables.by_noise(done["fine"]).items()
+        f"{PARTS[name].title}: {noise}": rows
+        for name in ("loops", "loops-coarse", "loops-mixed")
+        for noise, rows in loop_tables.by_noise(done[name]).items()
     }
-    groups |= {
-        f"{PARTS['coarse'].title}: {name}": rows
-        for name, rows in loop_tables.by_noise(done["coarse"]).items()
-    }
-    told = [name for name, part in PARTS.items() if "beside" in part.settings]
+    rivals = {part.title: done[name] for name, part in PARTS.items() if "beside" in part.settings}
+    strange = {part.title: done[name] for name, part in PARTS.items() if not part.truth_is_in}
+    fine = done["loops"]
     return {
         "ends": loop_tables.ends(groups),
-        "touches": f"{loop_tables.distribution(done['fine'])}\n\n{loop_tables.by_part(done['fine'])}",
-        "rivals": "\n\n".join(f"**{PARTS[name].title}.** {loop_tables.beside(done[name])}" for name in told),
-        "strangers": loop_tables.strangers(
-            {part.title: done[name] for name, part in PARTS.items() if not part.truth_is_in}
-        ),
+        "touches": f"{loop_tables.distribution(fine)}\n\n{loop_tables.by_part(fine)}",
+        "rivals": loop_tables.beside(rivals),
+        "blind": blind.markdown(done["blind"]),
+        "strangers": loop_tables.strangers(strange),
     }
 
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -23,7 +22,6 @@ from palpate import (
     Result,
     Sensor,
     SimulatedProbe,
-    bundled_parts,
     identify,
     random_contacts,
 )
@@ -31,16 +29,24 @@ from palpate.experiments import rivals
 from palpate.experiments.checks import TOLERANCE
 from palpate.experiments.oracle import Evidence, valid
 from palpate.experiments.shapes import Array, Shape
+from palpate.experiments.thesis_sensor import parts, sensor_of
 from palpate.probe import Noise, random_pose
+from palpate.truth import number_of_truth
 
 Row = dict[str, Any]
 Start = Literal["scan", "drawn"]
 
 ACROSS = 2.0  # the workspace, in sizes of the largest part
 ROOM = 0.02  # of the part, between it and the border
-MAX_INCIDENCE = math.radians(60.0)
 AT_BOUNDS = 1.0 / 3.0  # of the problems
 DRAWN = 2  # contacts, where the first ones are drawn from the part
+
+# What is drawn for mixed problems; lengths in the parts' unit.
+TIP_RADII = (0.0, 2.0, 5.0)
+PATH_ERRORS = (0.0, 0.3, 1.0)
+OVERTRAVELS = (0.0, 0.5, 1.0)  # of the position error
+WITHOUT_NORMALS = 0.25  # of the problems
+MIXED_EFFORT = 20_000  # for each path: without normals many hypotheses are left at first
 
 
 @dataclass(frozen=True)
@@ -57,20 +63,7 @@ class Problem:
 
     def kept(self, hypotheses: Sequence[Hypothesis]) -> bool:
         """Whether the true part and pose are among them."""
-        return any(
-            one.model == self.truth and one.poses.contains(self.world_from_truth) for one in hypotheses
-        )
-
-
-@cache
-def library() -> tuple[Model, ...]:
-    """The bundled parts."""
-    return tuple(bundled_parts())
-
-
-def sensor_of(position_error: float, normal_error_deg: float) -> Sensor:
-    """A point for a tip, reliable up to 60°."""
-    return Sensor(position_error, math.radians(normal_error_deg), MAX_INCIDENCE)
+        return number_of_truth(hypotheses, self.truth, self.world_from_truth) is not None
 
 
 def scaled(sensor: Sensor, factor: float) -> Sensor:
@@ -86,7 +79,13 @@ def scaled(sensor: Sensor, factor: float) -> Sensor:
 
 
 def problem_of(
-    number: int, models: Sequence[Model], truth: Model, *, sensor: Sensor, factor: float = 1.0
+    number: int,
+    models: Sequence[Model],
+    truth: Model,
+    *,
+    sensor: Sensor,
+    factor: float = 1.0,
+    overtravel: float = 0.0,
 ) -> Problem:
     """The truth at a random pose; errors are `factor` times as large as the bounds that are claimed."""
     random = np.random.default_rng([number, 1])
@@ -96,7 +95,9 @@ def problem_of(
     pose = random_pose(truth, workspace, room=room, random=random)
     noise: Noise = "bounds" if random.uniform() < AT_BOUNDS else "uniform"
     made = scaled(sensor, factor)
-    probe = SimulatedProbe(truth, pose, made, seed=number, noise=noise, believed=sensor)
+    probe = SimulatedProbe(
+        truth, pose, made, seed=number, noise=noise, overtravel=overtravel, believed=sensor
+    )
     return Problem(list(models), truth, pose, workspace, sensor, probe, noise)
 
 
@@ -107,22 +108,44 @@ def task(
     normal_error_deg: float,
     start: Start = "scan",
     beside: Sequence[str] = (),
+    mixed: bool = False,
 ) -> Row:
     """One loop, and the `rivals` named by `beside` on the same problem.
 
     `start` says where the first contacts come from: scans of the workspace (4.1), or two places drawn from
-    the part itself (4.2).
+    the part itself (4.2). `mixed` draws a radius of the tip, a path error, overtravel, and whether normals
+    are read, for each problem.
     """
-    models = library()
-    sensor = sensor_of(position_error, normal_error_deg)
-    problem = problem_of(number, models, models[number % len(models)], sensor=sensor)
-    return row_of(problem, number, start=start, beside=beside)
+    models = list(parts().values())
+    truth = models[number % len(models)]
+    sensor = sensor_of(position_error=position_error, normal_error_deg=normal_error_deg)
+    if not mixed:
+        return row_of(problem_of(number, models, truth, sensor=sensor), number, start=start, beside=beside)
+    random = np.random.default_rng([number, 4])
+    tip_radius, path_error = random.choice(TIP_RADII), random.choice(PATH_ERRORS)
+    overtravel = float(random.choice(OVERTRAVELS)) * position_error
+    normal_error = None if random.uniform() < WITHOUT_NORMALS else sensor.normal_error
+    felt = Sensor(position_error, normal_error, sensor.max_incidence, float(tip_radius), float(path_error))
+    problem = problem_of(number, models, truth, sensor=felt, overtravel=overtravel)
+    drawn = {
+        "tip_radius": felt.tip_radius,
+        "path_error": felt.path_error,
+        "overtravel": overtravel,
+        "normals": normal_error is not None,
+    }
+    return {**row_of(problem, number, start=start, beside=beside, effort=MIXED_EFFORT), **drawn}
 
 
 def row_of(
-    problem: Problem, number: int, *, start: Start = "scan", beside: Sequence[str] = (), **how: Any
+    problem: Problem,
+    number: int,
+    *,
+    start: Start = "scan",
+    beside: Sequence[str] = (),
+    seen: Callable[[Result], None] = lambda result: None,
+    **how: Any,
 ) -> Row:
-    """The loop on a problem, and what is to say of it; `how` goes on to `identify`."""
+    """The loop on a problem, and what is said of it; `how` is for `identify`, `seen` is shown the result."""
     contacts = _drawn(problem, number) if start == "drawn" else []
     began = time.perf_counter()
     result = identify(
@@ -135,16 +158,20 @@ def row_of(
         **how,
     )
     seconds = {"loop": time.perf_counter() - began, "planning": result.planning_time}
-    scans = sum(step.purpose == "scan" for step in result.steps)
+    seen(result)
+    planned = [k for k, step in enumerate(result.steps) if step.path is not None]
     row: Row = {
         "part": problem.truth.name,
         "noise": problem.noise,
         "status": result.status,
         "proved": result.proved,
-        "wrong": result.found is not None and not problem.kept(result.hypotheses),
+        "lost": bool(result.contacts) and not problem.kept(result.hypotheses),
+        "nothing_found": not result.contacts,
         "complete": result.found is not None and result.found.complete,
         "touches": result.touches,
-        "scans": scans,
+        "scans": sum(step.purpose == "scan" for step in result.steps),
+        "before": planned[0] if planned else result.touches,
+        "refuted": 0 if result.found is None else len(result.found.refuted),
         "first": sum(map(len, result.paths[0].classes)) if result.paths else len(result.hypotheses),
         "left": len(result.hypotheses),
         "travel": result.travel,
@@ -174,12 +201,14 @@ def contradicted(result: Result) -> Row:
     Asked of `experiments.oracle`, which shares nothing with the core. Undecided ones, of a search that met
     its limit and says so, have no such pose to check.
     """
-    false = undecided = 0
+    contradicting = undecided = 0
     for one in result.hypotheses:
         evidence = Evidence.of(Shape.of(one.model), result.contacts, misses=result.misses)
         if result.found is not None and not result.found.complete and one.marginal:
             undecided += not one.poses.contains(one.poses.witness)
             continue
+        balls = any(contact.tip_radius > 0.0 for contact in result.contacts)
+        kinds = ("face", "vertex") if balls else ("face",)
         poses = np.stack([one.poses.witness, one.world_from_model])
-        false += not valid(evidence, poses, kinds=("face",), slack=evidence.tolerance(TOLERANCE)).all()
-    return {"false": false, "undecided": undecided}
+        contradicting += not valid(evidence, poses, kinds=kinds, slack=evidence.tolerance(TOLERANCE)).all()
+    return {"contradicted": contradicting, "undecided": undecided}

@@ -16,6 +16,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 from palpate import __version__
+from palpate.experiments.build import build
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -36,7 +37,7 @@ def computed_on(
     """Each number with its row, in order.
 
     Raises:
-        ValueError: No such cluster; Dask is missing, or another version of palpate is on a worker.
+        ValueError: No such cluster; Dask is missing, or another build of palpate is on a worker.
         ConnectionError: The cluster is lost, or a task ended its worker too often.
     """
     try:
@@ -50,17 +51,18 @@ def computed_on(
         ahead = max(LEAST_AHEAD, AHEAD * sum(client.nthreads().values()))
         waiting: deque[tuple[int, Future]] = deque()
         for number in numbers:
-            waiting.append((number, client.submit(_row, task, settings, __version__, number, pure=False)))
+            waiting.append((number, client.submit(_row, task, settings, build(), number, pure=False)))
             if len(waiting) == ahead:
                 yield _next(client, waiting)
         while waiting:
             yield _next(client, waiting)
 
 
-def _row(task: Callable[..., Row], settings: dict[str, Any], version: str, number: int) -> Row:  # noqa: PLR0917
-    if version != __version__:
+def _row(task: Callable[..., Row], settings: dict[str, Any], wanted: str, number: int) -> Row:  # noqa: PLR0917
+    if wanted != build():
         raise ValueError(
-            f"cluster: a worker has palpate {__version__}, not {version}; install the same on all"
+            f"cluster: a worker has another build of palpate {__version__} (got {build()}, not {wanted}); "
+            "install the same on all"
         )
     return task(number, **settings)
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate import Hit, Result, SimulatedProbe, Skid, Step, identify
+from palpate import Result, SimulatedProbe, identify
 from palpate.experiments.campaign import Row
 from palpate.experiments.experiment import SEEDS, Experiment, Picture
 from palpate.experiments.pages import duration, machine, share, table
@@ -19,6 +19,7 @@ from palpate.experiments.shapes import Array
 from palpate.experiments.thesis_sensor import parts, sensor_of, sensor_words
 from palpate.parts import DRILL_PARTS
 from palpate.probe import random_pose
+from palpate.truth import number_of_truth
 
 WORKSPACE = np.array([[0.0, 0.0], [290.0, 320.0]])
 SPEED = 40.0  # mm/s, all moves
@@ -44,7 +45,7 @@ def task(number: int, *, speed: float, **bounds: Any) -> Row:
     truth = truths[repeat % len(truths)]
     result, pose = run(names, truth, number, **bounds)
     scanned, probed = travels(result)
-    kept = any(one.model.name == truth and one.poses.contains(pose) for one in result.hypotheses)
+    kept = number_of_truth(result.hypotheses, parts()[truth], pose) is not None
     return {
         "parts": list(names),
         "truth": truth,
@@ -88,7 +89,12 @@ def travels(result: Result) -> tuple[float, float]:
     at: Array | None = None
     scanned = probed = 0.0
     for step in result.steps:
-        places = [*([] if at is None else [at]), *step.route, step.start, stopped_at(step)]
+        places = [
+            *([] if at is None else [at]),
+            *step.route,
+            step.start,
+            *([] if step.stopped is None else [step.stopped]),
+        ]
         way = sum(math.dist(a, b) for a, b in pairwise(places))
         if step.purpose == "scan":
             scanned += way
@@ -96,13 +102,6 @@ def travels(result: Result) -> tuple[float, float]:
             probed += way
         at = places[-1]
     return scanned, probed
-
-
-def stopped_at(step: Step) -> Array:
-    """Where the tip stopped."""
-    if isinstance(step.reply, Hit):
-        return step.reply.contact.center
-    return step.reply.free.end if isinstance(step.reply, Skid) else step.end
 
 
 def markdown(rows: list[Row]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import get_args
 
 import numpy as np
@@ -12,13 +12,14 @@ from palpate.experiments.campaign import Row
 from palpate.experiments.pages import digits, share, table
 from palpate.loop.result import Status
 
-WAYS = {"loop": "`identify`", "gain": "information gain, 500 random lines", "chance": "random lines"}
+WAYS = {"loop": "`identify`", "entropy": "most entropy, 500 random lines", "chance": "random lines"}
+SEVERAL = ("inseparable", "no_usable_path")
 STATUSES = [status for status in get_args(Status) if status != "interrupted"]
 
 
 def ends(groups: dict[str, list[Row]]) -> str:
     """How the loops of each group end, and whether what is left is true; a row for each group."""
-    header = ["", "loops", "lost", "false", *(f"`{status}`" for status in STATUSES), "`budget`, share"]
+    header = ["", "loops", "lost", "contradicted", *(f"`{status}`" for status in STATUSES), "`budget`, share"]
     rows = []
     for name, members in groups.items():
         status = Counter(row["status"] for row in members)
@@ -26,8 +27,8 @@ def ends(groups: dict[str, list[Row]]) -> str:
             [
                 name,
                 f"{len(members):,}",
-                str(sum(row["wrong"] for row in members)),
-                str(sum(row["false"] for row in members)),
+                str(sum(row["lost"] for row in members)),
+                str(sum(row["contradicted"] for row in members)),
                 *(f"{status[one]:,}" for one in STATUSES),
                 share(status["budget"] / len(members)),
             ]
@@ -39,7 +40,7 @@ def by_noise(rows: Sequence[Row]) -> dict[str, list[Row]]:
     """Groups of rows: errors within the bounds, at the bounds, and all."""
     names = {"uniform": "errors within the bounds", "bounds": "errors at the bounds"}
     groups = {title: [row for row in rows if row["noise"] == name] for name, title in names.items()}
-    return {**groups, "all": list(rows)}
+    return {**{title: some for title, some in groups.items() if some}, "all": list(rows)}
 
 
 def by_part(rows: Sequence[Row]) -> str:
@@ -47,7 +48,7 @@ def by_part(rows: Sequence[Row]) -> str:
     header = [
         "part",
         "loops",
-        "first contacts",
+        "scans",
         "hypotheses then",
         "touches, mean",
         "95 %",
@@ -76,15 +77,13 @@ def _part(name: str, rows: Sequence[Row]) -> list[str]:
     ]
 
 
-def beside(rows: Sequence[Row]) -> str:
+def beside(groups: dict[str, list[Row]]) -> str:
     """Touches of the loop and its rivals after the first contacts, where those left several hypotheses."""
-    open_rows = [row for row in rows if row["first"] > 1]
-    said = f"{len(open_rows):,} of {len(rows):,} problems have several hypotheses after the first contacts."
-    if not open_rows:
-        return said
     most = 6
     header = [
         "",
+        "problems",
+        "open",
         "solved",
         "touches, mean",
         *map(str, range(1, most + 1)),
@@ -92,27 +91,30 @@ def beside(rows: Sequence[Row]) -> str:
         "most",
         "s, mean",
     ]
-    ways: dict[str, Callable[[Row], Row]] = {"loop": lambda row: row}
-    ways |= {name: lambda row, name=name: row[name] for name in WAYS if name in rows[0]}  # type: ignore[misc]
     lines = []
-    for name, of in ways.items():
-        later = [of(row)["touches"] - _before(row) for row in open_rows]
-        counts = Counter(min(count, most + 1) for count in later)
-        lines.append(
-            [
-                WAYS[name],
-                share(sum(of(row)["status"] == "solved" for row in open_rows) / len(open_rows)),
-                digits(_mean(later)),
-                *(str(counts[count]) for count in range(1, most + 2)),
-                str(max(later)),
-                digits(_mean(row["seconds"][name] for row in open_rows)),
-            ]
-        )
-    return f"{said}\n\n{table(header, lines)}"
+    for title, rows in groups.items():
+        open_rows = [row for row in rows if row["first"] > 1]
+        for name in [name for name in WAYS if open_rows and (name == "loop" or name in open_rows[0])]:
+            lines.append(_way(title, name, rows, open_rows=open_rows, most=most))
+    return table(header, lines)
 
 
-def _before(row: Row) -> int:
-    return int(row["scans"])
+def _way(title: str, name: str, rows: list[Row], *, open_rows: list[Row], most: int) -> list[str]:
+    def of(row: Row) -> Row:
+        return row if name == "loop" else row[name]
+
+    later = [of(row)["touches"] - row["before"] for row in open_rows]
+    counts = Counter(min(count, most + 1) for count in later)
+    return [
+        f"{title}: {WAYS[name]}",
+        f"{len(rows):,}",
+        f"{len(open_rows):,}",
+        share(sum(of(row)["status"] == "solved" for row in open_rows) / len(open_rows)),
+        digits(_mean(later)),
+        *(str(counts[count]) for count in range(1, most + 2)),
+        str(max(later)),
+        digits(_mean(row["seconds"][name] for row in open_rows)),
+    ]
 
 
 def distribution(rows: Sequence[Row]) -> str:
@@ -142,27 +144,30 @@ def strangers(groups: dict[str, list[Row]]) -> str:
     header = [
         "",
         "loops",
-        "contradicted, kept",
+        "contradicted",
         "`unexplained`",
         "solved, the truth",
         "solved, something else that fits",
         "several left",
+        "cut short",
         "touches, mean",
     ]
     lines = []
     for name, rows in groups.items():
         solved = [row for row in rows if row["status"] == "solved"]
-        other = sum(row["wrong"] for row in solved)
+        other = sum(row["lost"] for row in solved)
+        several = sum(row["status"] in SEVERAL for row in rows)
         unexplained = sum(row["status"] == "unexplained" for row in rows)
         lines.append(
             [
                 name,
                 f"{len(rows):,}",
-                str(sum(row["false"] for row in rows)),
+                str(sum(row["contradicted"] for row in rows)),
                 f"{unexplained:,}",
                 f"{len(solved) - other:,}",
                 f"{other:,}",
-                f"{len(rows) - len(solved) - unexplained:,}",
+                f"{several:,}",
+                f"{len(rows) - len(solved) - unexplained - several:,}",
                 digits(_mean(row["touches"] for row in rows)),
             ]
         )

@@ -25,6 +25,7 @@ from palpate.experiments.thesis_sensor import (
     sensor_words,
 )
 from palpate.parts import THESIS_OBJECTS
+from palpate.truth import number_of_truth
 
 PAIRS = 50
 LIMIT = 60.0  # CPU seconds that the thesis gives a path; nothing is cut short here, but it is told
@@ -55,7 +56,7 @@ def task(number: int, **bounds: Any) -> Row:
         "hypotheses": len(found.hypotheses),
         "interpretations": found.interpretation_count,
         "passed": sum(counters["feasible"] for counters in found.counters),
-        "kept": any(one.model.name == truth and one.poses.contains(pose) for one in found.hypotheses),
+        "kept": number_of_truth(found.hypotheses, parts()[truth], pose) is not None,
         "trees": {},
         "seconds": {"recognition": seconds},
     }

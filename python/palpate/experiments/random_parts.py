@@ -31,11 +31,11 @@ def random_part(random: Random, family: str) -> Model:
     if family == "bundled":
         return random.choice(bundled())
     make: Callable[[Random], tuple[list[Point], list[list[Point]]]] = {
-        "star": _star_part,
-        "comb": _comb,
-        "holes": _with_holes,
-        "symmetric": _symmetric,
-        "loose": _star_part,
+        "star": star_part,
+        "comb": comb,
+        "holes": with_holes,
+        "symmetric": symmetric,
+        "loose": star_part,
     }[family]
     scale = random.choice((1e-3, 1.0 / 25.4, 1e3)) if random.random() < 0.1 else 1.0
     origin = (random.uniform(-80.0, 80.0), random.uniform(-80.0, 80.0))
@@ -77,11 +77,12 @@ def _star(random: Random, count: int, radii: tuple[float, float]) -> list[Point]
     return corners
 
 
-def _star_part(random: Random) -> tuple[list[Point], list[list[Point]]]:
+def star_part(random: Random) -> tuple[list[Point], list[list[Point]]]:
+    """A star, and no holes."""
     return _star(random, random.randint(3, 14), (25.0, 80.0)), []
 
 
-def _comb(random: Random) -> tuple[list[Point], list[list[Point]]]:
+def comb(random: Random) -> tuple[list[Point], list[list[Point]]]:
     """Teeth upward on a bar; in one of three every corner is a little off, and nothing quite parallel."""
     teeth = random.randint(1, 6)
     pitch, height = random.uniform(8.0, 20.0), random.uniform(10.0, 40.0)
@@ -96,7 +97,8 @@ def _comb(random: Random) -> tuple[list[Point], list[list[Point]]]:
     return corners, []
 
 
-def _with_holes(random: Random) -> tuple[list[Point], list[list[Point]]]:
+def with_holes(random: Random) -> tuple[list[Point], list[list[Point]]]:
+    """A star with one or two holes."""
     outline = _star(random, random.randint(5, 10), (50.0, 80.0))
     holes = []
     for side in random.sample((-1.0, 1.0), random.randint(1, 2)):
@@ -105,7 +107,7 @@ def _with_holes(random: Random) -> tuple[list[Point], list[list[Point]]]:
     return outline, holes
 
 
-def _symmetric(random: Random) -> tuple[list[Point], list[list[Point]]]:
+def symmetric(random: Random) -> tuple[list[Point], list[list[Point]]]:
     """The same sector, several times around."""
     order = random.choice((2, 2, 3, 4, 5, 6, 8, 12))
     fewest = 2 if order < 3 else 1

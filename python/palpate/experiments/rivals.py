@@ -1,4 +1,4 @@
-"""Other ways to choose the next touch, on the problems of the closed loop: chance, and information gain.
+"""Other ways to choose the next touch, on the problems of the closed loop: chance, and entropy of classes.
 
 Both begin with the evidence with which the loop planned its first path, touch with the same probe, and
 recognize anew after each touch as the loop does. Only the choice of the line is theirs.
@@ -14,13 +14,14 @@ import numpy as np
 
 from palpate import Contact, Hit, Hypothesis, Lines, Miss, Path, Result, Skid, recognize
 from palpate.experiments.shapes import Array
+from palpate.loop.planning import is_promising
+from palpate.loop.refuted import refuted
+from palpate.loop.settings import MAX_TOUCHES
 
 if TYPE_CHECKING:
     from palpate.experiments.closed_loop import Problem
 
 NUM_LINES = 500  # random lines among which the most telling one is chosen
-MOST_TOUCHES = 200  # as many as the loop's own limit
-HARDLY = 0.05  # as the loop has it: so many hypotheses less, in the mean, are hardly worth a touch
 
 Line = tuple[Array, Array]
 Chosen = Callable[["Problem", list[Hypothesis], np.random.Generator], Line | None]
@@ -31,16 +32,20 @@ def touches(name: str, problem: Problem, result: Result, *, number: int) -> dict
     contacts, misses, moves = _before_planning(result)
     if moves == result.touches:
         return {"touches": moves, "status": result.status}
+    made = [(step.start, step.end, step.reply) for step in result.steps[:moves]]
     random = np.random.default_rng([number, 2])
     while True:
         found = recognize(problem.models, contacts, misses=misses)
-        if len(found.hypotheses) < 2:
-            return {"touches": moves, "status": "solved" if found.hypotheses else "unexplained"}
-        line = None if moves >= MOST_TOUCHES else RIVALS[name](problem, found.hypotheses, random)
+        gone = refuted(found.hypotheses, made, problem.sensor)
+        left = [one for k, one in enumerate(found.hypotheses) if k not in gone]
+        if len(left) < 2:
+            return {"touches": len(made), "status": "solved" if left else "unexplained"}
+        spent = len(made) >= MAX_TOUCHES
+        line = None if spent else RIVALS[name](problem, left, random)
         if line is None:
-            return {"touches": moves, "status": "budget" if moves >= MOST_TOUCHES else "inseparable"}
+            return {"touches": len(made), "status": "budget" if spent else "inseparable"}
         reply = problem.probe.touch(*line)
-        moves += 1
+        made.append((*line, reply))
         if isinstance(reply, Hit):
             contacts.append(reply.contact)
         elif isinstance(reply, Miss | Skid):
@@ -72,33 +77,31 @@ def by_chance(problem: Problem, hypotheses: list[Hypothesis], random: np.random.
     return place + sides.min(axis=0).max() * way, place + sides.max(axis=0).min() * way
 
 
-def by_gain(problem: Problem, hypotheses: list[Hypothesis], random: np.random.Generator) -> Line | None:
-    """Of so many random lines the one with the largest information gain, hypotheses taken as equally likely.
+def by_entropy(problem: Problem, hypotheses: list[Hypothesis], random: np.random.Generator) -> Line | None:
+    """Of so many random lines the one whose classes have the most entropy, hypotheses as equally likely.
 
-    Where none is certain to tell any apart, that which is expected to leave the fewest; None if none does.
+    A class is of hypotheses joined by "not separated": what a reading leaves may be less, so that this is no
+    more than the information that is certain to be gained. Where none is certain to tell any apart, that
+    which is expected to leave the fewest; None if none does.
     """
     lines = Lines(hypotheses, problem.sensor, workspace=problem.workspace)
     best: tuple[tuple[float, float], Path] | None = None
     for _ in range(NUM_LINES):
         angle, offset = random.uniform(-math.pi, math.pi), lines.radius * random.uniform(-1.0, 1.0)
         path = lines.judge(angle, offset)
-        if path is None or path.faults or not _tells(path, len(hypotheses)):
+        if path is None or path.faults or not is_promising(path, len(hypotheses)):
             continue
-        worth = (_gain(path), -path.expected_score)
+        worth = (_entropy(path), -path.expected_score)
         if best is None or worth > best[0]:
             best = worth, path
     return None if best is None else (best[1].start, best[1].end)
 
 
-def _tells(path: Path, count: int) -> bool:
-    return path.guaranteed or path.expected_score < count - HARDLY
-
-
-def _gain(path: Path) -> float:
-    """The expected information in nats: the entropy of the classes."""
+def _entropy(path: Path) -> float:
+    """Of the classes, in nats."""
     shares = np.array([len(members) for members in path.classes], dtype=float)
     shares /= shares.sum()
     return -float(shares @ np.log(shares))
 
 
-RIVALS: dict[str, Chosen] = {"chance": by_chance, "gain": by_gain}
+RIVALS: dict[str, Chosen] = {"chance": by_chance, "entropy": by_entropy}

@@ -13,8 +13,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from palpate.experiments.closed_loop import Row, library, problem_of, row_of, sensor_of
+from palpate.experiments.closed_loop import Row, problem_of, row_of
 from palpate.experiments.random_parts import random_part
+from palpate.experiments.thesis_sensor import parts, sensor_of
 
 Kind = Literal["part", "readings"]
 
@@ -31,8 +32,8 @@ def task(
     until: tuple[float, float] | None = None,
 ) -> Row:
     """One loop whose conditions don't hold; `until` is that of `identify`, a length and degrees."""
-    sensor = sensor_of(position_error, normal_error_deg)
-    models = list(library())
+    sensor = sensor_of(position_error=position_error, normal_error_deg=normal_error_deg)
+    models = list(parts().values())
     truth = models[number % len(models)]
     said: dict[str, Any] = {}
     if kind == "readings":

@@ -7,6 +7,7 @@ from functools import cache
 from typing import Any, Literal, TypeAlias
 
 from palpate import Model, Sensor, bundled_parts
+from palpate.usual import MAX_INCIDENCE_DEG
 
 SENSOR = {"position_error": 0.5, "normal_error_deg": 4.0, "max_incidence_deg": 89.0}
 Planner: TypeAlias = Literal["auto", "ellis"]
@@ -24,8 +25,10 @@ COMPARED = (
 )
 
 
-def sensor_of(*, position_error: float, normal_error_deg: float, max_incidence_deg: float) -> Sensor:
-    """A sensor of points and normals, whose angles are in degrees."""
+def sensor_of(
+    *, position_error: float, normal_error_deg: float, max_incidence_deg: float = MAX_INCIDENCE_DEG
+) -> Sensor:
+    """A sensor of points and normals, whose angles are in degrees; a point for a tip."""
     return Sensor(position_error, math.radians(normal_error_deg), math.radians(max_incidence_deg))
 
 

@@ -6,17 +6,26 @@ the time to move, to touch and to compute; the last is measured here, all else i
 
 from __future__ import annotations
 
+import hashlib
+import json
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from palpate import Model, Sensor
+from palpate.experiments import campaign
+from palpate.experiments.build import build
 from palpate.experiments.campaign import Row
 from palpate.experiments.closed_loop import problem_of, row_of, scaled
 from palpate.experiments.experiment import SEEDS
+from palpate.model_json import document_of
+from palpate.models import model_of
+from palpate.probe.simulated import sensor_entry
 
 Stop: TypeAlias = str | tuple[str, float]
 
@@ -24,6 +33,7 @@ STOPS: tuple[Stop, ...] = ("perfect", ("unique", 1), ("unique", 3), ("share", 0.
 BLINDS = (None, 3, 4, 6, 8)
 FACTORS = (0.25, 0.5, 1.0, 2.0)  # wider bounds than twice the sensor's own may take minutes a loop
 MAX_TOUCHES = 50  # a part that needs more is not solved
+MOST_DOUBLINGS = 2  # of the problems of the best two, where they are close
 SOLVED = 0.95  # of the loops: bounds are good enough
 HARDLY = 0.01  # of the cost or of the loops: no reason to choose another setting
 
@@ -53,6 +63,10 @@ class Costs:
 
     speed: float
     per_touch: float
+
+    def of(self, travel: float, touches: float) -> float:
+        """Seconds."""
+        return travel / self.speed + self.per_touch * touches
 
 
 @dataclass(frozen=True)
@@ -98,64 +112,129 @@ def tune(
     costs: Costs,
     *,
     problems: int,
+    out: Path,
     seed: int = 0,
-    advance: Callable[[], None] = lambda: None,
+    cluster: str | None = None,
 ) -> Advice:
     """Try all settings, and the best stop rule with the best number of first contacts.
+
+    Of the best two, if they cost nearly the same for the spread of their problems, more problems are tried.
 
     Args:
         models: The parts that are to be told apart; each in turn is the true one.
         sensor: Bounds that the sensor has.
         costs: Of a machine.
         problems: Loops for each setting.
+        out: Folder of the rows; those that are there are not computed again.
         seed: Chooses the problems.
-        advance: Is called after each loop; there are `num_loops(problems)`, or as many less as `problems`.
+        cluster: As for `campaign.run`.
+
+    Raises:
+        ValueError: As `campaign.run`.
+        ConnectionError: As `campaign.run`.
     """
+    given = {
+        "models": [document_of(model, "mm") for model in models],  # lengths are as they are
+        "sensor": sensor_entry(sensor),
+    }
+    digest = hashlib.sha256(json.dumps([build(), given, seed], sort_keys=True).encode()).hexdigest()[:12]
 
-    def trial(setting: Setting) -> Tried:
-        rows = []
-        for number in range(problems):
-            rows.append(_loop(models, sensor, setting, number=seed * SEEDS + number))
-            advance()
-        return _tried(setting, rows, costs)
+    def rows_of(name: str, numbers: range, task: Callable[..., Row], **more: Any) -> list[Row]:
+        file = out / f"{digest}-{name}.jsonl"
+        return campaign.run(
+            f"tune-{name}", {**given, **more}, numbers, task, file, cluster=cluster, quiet=True
+        )
 
-    tried = [trial(setting) for setting in settings()]
-    stop = _best([one for one in tried if one.setting.factor == 1.0 and one.setting.blind is None])
-    blind = _best([one for one in tried if one.setting.factor == 1.0 and one.setting.stop == "perfect"])
+    def more_of(setting: Setting, first: int, count: int) -> list[Row]:
+        name = f"{setting.stop_text.replace(':', '-')}-{setting.blind_text}-{first}"
+        told = {"stop": setting.stop, "blind": setting.blind}
+        begin = seed * SEEDS + first
+        return rows_of(name, range(begin, begin + count), more_task, **told)
+
+    every = settings()
+    begin = seed * SEEDS
+    rows = rows_of("all", range(begin, begin + len(every) * problems), task)
+    known = {setting: rows[k :: len(every)] for k, setting in enumerate(every)}
+
+    def tried() -> dict[Setting, Tried]:
+        return {setting: _tried(setting, members, costs) for setting, members in known.items()}
+
+    own = [one for one in tried().values() if one.setting.factor == 1.0]
+    stop = _best([one for one in own if one.setting.blind is None])
+    blind = _best([one for one in own if one.setting.stop == "perfect"])
     both = Setting(stop=stop.setting.stop, blind=blind.setting.blind)
-    if both not in [one.setting for one in tried]:
-        tried.append(trial(both))
-    enough = [one for one in tried[: len(FACTORS)] if one.solved >= SOLVED]
-    best = _best([one for one in tried if one.setting.factor == 1.0])
-    return Advice(tried, best, max(enough, key=lambda one: one.setting.factor, default=None))
+    if both not in known:
+        known[both] = more_of(both, 0, problems)
+    for _ in range(MOST_DOUBLINGS):
+        own = [one for one in tried().values() if one.setting.factor == 1.0]
+        best, second = _best_two(own)
+        if second is None or not _close(known[best.setting], known[second.setting], costs):
+            break
+        for setting in (best.setting, second.setting):
+            count = len(known[setting])
+            known[setting] = [*known[setting], *more_of(setting, count, count)]
+    made = tried()
+    enough = [made[setting] for setting in every[: len(FACTORS)] if made[setting].solved >= SOLVED]
+    best = _best([one for one in made.values() if one.setting.factor == 1.0])
+    return Advice(list(made.values()), best, max(enough, key=lambda one: one.setting.factor, default=None))
 
 
-def num_loops(problems: int) -> int:
-    """How many loops are run for so many problems, at most."""
-    return problems * (len(settings()) + 1)
+def task(number: int, *, models: list[dict[str, Any]], sensor: dict[str, Any]) -> Row:
+    """The loop on a problem with one of the settings: problem by problem, all of them."""
+    seed, place = divmod(number, SEEDS)
+    problem, which = divmod(place, len(settings()))
+    return _loop(models, sensor, settings()[which], number=seed * SEEDS + problem)
 
 
-def _loop(models: Sequence[Model], sensor: Sensor, setting: Setting, *, number: int) -> Row:
-    felt = scaled(sensor, setting.factor)
+def more_task(
+    number: int, *, models: list[dict[str, Any]], sensor: dict[str, Any], stop: Any, blind: int | None
+) -> Row:
+    """The loop on a problem with another setting, or on more problems."""
+    setting = Setting(stop=stop if isinstance(stop, str) else tuple(stop), blind=blind)
+    return _loop(models, sensor, setting, number=number)
+
+
+def _loop(documents: list[dict[str, Any]], sensor: dict[str, Any], setting: Setting, *, number: int) -> Row:
+    models = [model_of(f"models[{k}]", document) for k, document in enumerate(documents)]
+    felt = scaled(Sensor(**sensor), setting.factor)
     problem = problem_of(number, models, models[number % len(models)], sensor=felt)
     return row_of(problem, number, stop=setting.stop, blind=setting.blind, max_touches=MAX_TOUCHES)
 
 
+def _seconds(row: Row, costs: Costs) -> float:
+    return costs.of(row["travel"], row["touches"]) + float(row["seconds"]["loop"])
+
+
 def _tried(setting: Setting, rows: Sequence[Row], costs: Costs) -> Tried:
     touches = np.array([row["touches"] for row in rows], dtype=float)
-    travel = float(np.mean([row["travel"] for row in rows]))
-    computing = float(np.mean([row["seconds"]["loop"] for row in rows]))
     return Tried(
         setting,
         len(rows),
         dict(Counter(row["status"] for row in rows)),
-        lost=sum(row["wrong"] for row in rows),
+        lost=sum(row["lost"] for row in rows),
         touches=float(touches.mean()),
         touches_95=float(np.percentile(touches, 95)),
-        travel=travel,
-        computing=computing,
-        seconds=travel / costs.speed + costs.per_touch * float(touches.mean()) + computing,
+        travel=float(np.mean([row["travel"] for row in rows])),
+        computing=float(np.mean([row["seconds"]["loop"] for row in rows])),
+        seconds=float(np.mean([_seconds(row, costs) for row in rows])),
     )
+
+
+def _best_two(tried: Sequence[Tried]) -> tuple[Tried, Tried | None]:
+    """The best, and the best of those that go another way: whose loops are not all the same."""
+    best = _best(tried)
+    rest = [one for one in tried if (one.touches, one.travel) != (best.touches, best.travel)]
+    return best, _best(rest) if rest else None
+
+
+def _close(ones: Sequence[Row], others: Sequence[Row], costs: Costs) -> bool:
+    """Whether the mean difference of what they cost on the same problems is within two standard errors."""
+    gaps = np.array(
+        [_seconds(a, costs) - _seconds(b, costs) for a, b in zip(ones, others, strict=False)], dtype=float
+    )
+    if len(gaps) < 2:
+        return False
+    return abs(float(gaps.mean())) <= 2.0 * float(gaps.std(ddof=1)) / math.sqrt(len(gaps))
 
 
 def _best(tried: Sequence[Tried]) -> Tried:
@@ -191,6 +270,7 @@ def _entry(one: Tried, sensor: Sensor) -> dict[str, Any]:
         "position_error": felt.position_error,
         "normal_error_deg": None if felt.normal_error is None else float(np.degrees(felt.normal_error)),
         "status": one.status,
+        "loops": one.loops,
         "lost": one.lost,
         "touches": one.touches,
         "touches_95": one.touches_95,

@@ -3,7 +3,7 @@
 from palpate.loop.acquire import random_contacts
 from palpate.loop.identify import identify
 from palpate.loop.replay import replay
-from palpate.loop.result import Result, Step
+from palpate.loop.result import Found, Result, Step
 from palpate.loop.route import perimeter_route
 
-__all__ = ["Result", "Step", "identify", "perimeter_route", "random_contacts", "replay"]
+__all__ = ["Found", "Result", "Step", "identify", "perimeter_route", "random_contacts", "replay"]

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from palpate._core import Contact, Miss, Path, PlanReport, Prior, Recognition, Sensor
+from palpate._core import Contact, Hypothesis, Miss, Path, PlanReport, Prior, Sensor
+from palpate.loop.result import Found
 from palpate.loop.route import Array
 from palpate.loop.settings import Settings, settings_of
 from palpate.model_json import document_of
 from palpate.models import model_of
 from palpate.plan_json import path_entry
 from palpate.probe import AlreadyTouching, Fault, Hit, Reply, Skid, UnexpectedTouch
-from palpate.probe.simulated import point_of
+from palpate.probe.simulated import point_of, sensor_entry
 
 SCHEMA = "palpate-run"
 VERSION = 1
@@ -48,28 +49,22 @@ TOLD_OF_A_PATH = (
 Event = dict[str, Any]
 
 
-def start_event(settings: Settings, position: Array | None) -> Event:
-    """The first line: all that the run depends on beside the probe's answers."""
-    sensor = settings.sensor
+def start_event(settings: Settings, position: Array | None, *, simulation: Event | None) -> Event:
+    """The first line: all that the run depends on beside the probe's answers, and what answers them."""
     return {
         "event": "start",
         "schema": SCHEMA,
         "version": VERSION,
         "unit": settings.unit,
         "models": [document_of(model, settings.unit) for model in settings.models],
-        "sensor": {
-            "position_error": sensor.position_error,
-            "normal_error": sensor.normal_error,
-            "max_incidence": sensor.max_incidence,
-            "tip_radius": sensor.tip_radius,
-            "path_error": sensor.path_error,
-        },
+        "sensor": sensor_entry(settings.sensor),
         "workspace": settings.workspace.tolist(),
         "position": None if position is None else position.tolist(),
         "prior": None if settings.prior is None else _prior_entry(settings.prior),
         "contacts": [contact_entry(contact) for contact in settings.contacts],
         "misses": [miss_entry(miss) for miss in settings.misses],
         "settings": {name: getattr(settings, name) for name in SEARCH},
+        "simulation": simulation,
     }
 
 
@@ -134,20 +129,16 @@ def reply_in(event: Event) -> Reply | None:
     raise ValueError(f"kind: no such reply (got {event['kind']!r}); name the log of another version")
 
 
-def recognized_event(found: Recognition) -> Event:
+def recognized_event(found: Found) -> Event:
     """What was left, without the detail."""
     return {
         "event": "recognized",
         "complete": found.complete,
         "conflict": found.conflict,
-        "hypotheses": [
-            {
-                "model": one.model.name,
-                "model_number": one.model_number,
-                "world_from_model": one.world_from_model.tolist(),
-                "marginal": one.marginal,
-            }
-            for one in found.hypotheses
+        "hypotheses": [_hypothesis_entry(one) for one in found.hypotheses],
+        "refuted": [
+            {**_hypothesis_entry(found.recognition.hypotheses[number]), "step": step}
+            for number, step in sorted(found.refuted.items())
         ],
     }
 
@@ -158,7 +149,7 @@ def planned_event(report: PlanReport) -> Event:
         "event": "planned",
         "why": report.why,
         "proved": report.proved,
-        "path": None if report.path is None else _path_entry(report.path),
+        "path": None if report.path is None else path_told(report.path),
     }
 
 
@@ -197,6 +188,16 @@ def _prior_entry(prior: Prior) -> Event:
     }
 
 
-def _path_entry(path: Path) -> Event:
+def _hypothesis_entry(one: Hypothesis) -> Event:
+    return {
+        "model": one.model.name,
+        "model_number": one.model_number,
+        "world_from_model": one.world_from_model.tolist(),
+        "marginal": one.marginal,
+    }
+
+
+def path_told(path: Path) -> Event:
+    """A planned path, and what it promised."""
     told = path_entry(path)
     return {name: told[name] for name in TOLD_OF_A_PATH}

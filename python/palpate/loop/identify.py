@@ -14,7 +14,7 @@ from palpate.loop.entries import Event, start_event
 from palpate.loop.journal import Journal, open_log
 from palpate.loop.result import Array, Result, Step
 from palpate.loop.run import Run
-from palpate.loop.settings import Settings, settings_of
+from palpate.loop.settings import MAX_HYPOTHESES, MAX_TOUCHES, Settings, settings_of
 from palpate.probe import Probe
 from palpate.probe.simulated import point_of
 
@@ -36,8 +36,8 @@ def identify(  # noqa: PLR0917 - the four that every call has
     effort: int = 100_000,
     time_limit: float | None = None,
     features: Sequence[str] | None = None,
-    max_touches: int = 200,
-    max_hypotheses: int = 1000,
+    max_touches: int = MAX_TOUCHES,
+    max_hypotheses: int = MAX_HYPOTHESES,
     until: tuple[float, float] | None = None,
     seed: int = 0,
     unit: str = "mm",
@@ -49,8 +49,9 @@ def identify(  # noqa: PLR0917 - the four that every call has
 
     First contacts come from a binary subdivision of the workspace, until two normals are independent (4.1).
     Then, so long as several hypotheses are left, the tip goes along the path that tells them apart best, and
-    all is recognized anew with what it touched, what it missed and what it swept. It goes on while a path is
-    certain to tell some apart, else while an untried one is expected to leave fewer than n - 0.05 of n.
+    all is recognized anew with what it touched, what it missed and what it swept; hypotheses that can't have
+    answered one of the guarded moves are dropped. It goes on while a path is certain to tell some apart, else
+    while an untried one is expected to leave fewer than n - 0.05 of n.
 
     If all readings are within their bounds, no touch of the workspace's perimeter is possible and the true
     part is among the models, then the truth is among the hypotheses that are left, whatever the status. Same
@@ -59,7 +60,8 @@ def identify(  # noqa: PLR0917 - the four that every call has
     Args:
         models: The parts that it may be. Their unit is that of all lengths.
         probe: What moves and touches; `SimulatedProbe`, or your own `Probe`.
-        sensor: Bounds of its readings, for planning; each contact brings its own for recognition.
+        sensor: Bounds of its readings, for planning; each contact brings its own for recognition. The path
+            error must hold for all guarded moves.
         workspace: Two opposite corners, shape `(2, 2)`, world frame. Its perimeter is free for the tip, and
             the part is within.
         prior: What is known of the pose beforehand.
@@ -74,7 +76,7 @@ def identify(  # noqa: PLR0917 - the four that every call has
         effort: As for `plan` and `verification_report`, for each path. A promising path that a quick look
             finds is taken at once.
         time_limit: Seconds, for each path.
-        features: As for `plan` and `recognize`.
+        features: As for `plan`: kinds that a path may touch. A scan may touch any, and is so understood.
         max_touches: So many guarded moves are made at most.
         max_hypotheses: As for `recognize`. Where there are more, blind scans go on.
         until: A length and an angle: the last hypothesis is touched where it was not yet, until no two of
@@ -133,7 +135,7 @@ def _run(
 ) -> Result:
     position = known[0]["position"] if known else probe.position
     at: Array | None = None if position is None else point_of("probe.position", position)
-    start = start_event(settings, at)
+    start = start_event(settings, at, simulation=getattr(probe, "simulation", None))
     as_read = json.loads(json.dumps(start, allow_nan=False))
     for name in known[0] if known else ():
         if known[0][name] != as_read.get(name):

@@ -13,7 +13,6 @@ from palpate._core import (
     Hypothesis,
     Miss,
     Path,
-    Recognition,
     judge,
     recognize,
     verification_path,
@@ -23,7 +22,8 @@ from palpate.loop.acquire import FINER, Scans, enough, smallest_width
 from palpate.loop.entries import planned_event, recognized_event
 from palpate.loop.journal import Interrupted, Journal
 from palpate.loop.planning import is_promising, next_path
-from palpate.loop.result import Array, Purpose, Result, Status, Step
+from palpate.loop.refuted import refuted
+from palpate.loop.result import Array, Found, Purpose, Result, Status, Step
 from palpate.loop.settings import Settings
 from palpate.loop.tour import Tour
 from palpate.probe import AlreadyTouching, Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
@@ -59,7 +59,7 @@ class Run:
         self._misses: list[Miss] = [*settings.border, *settings.misses]
         self._steps: list[Step] = []
         self._num_told = 0
-        self._found: Recognition | None = None
+        self._found: Found | None = None
         self._seconds = {"recognition": 0.0, "planning": 0.0}
         self._width = smallest_width(settings.models)
         self._scans = Scans(settings.workspace, self._width / FINER, settings.directions)
@@ -96,8 +96,8 @@ class Run:
             return end
 
     def _conclude(self, end: _Ended) -> None:
-        """The last event; what was touched before a fault is recognized too."""
-        if end.status == "fault" and self._contacts and self._found is None:
+        """The last event; what was touched before it is recognized, whatever cut the run short."""
+        if self._contacts and self._found is None:
             self._recognize()
         self._tell()
         self._journal.record(
@@ -131,18 +131,22 @@ class Run:
         self._scans.made(missed=isinstance(reply, Miss))
         return True
 
-    def _recognize(self) -> Recognition:
-        """All evidence anew."""
+    def _recognize(self) -> Found:
+        """All evidence anew, without what the guarded moves refute.
+
+        With every kind of feature that the tip can meet: `features` is about paths, and scans can't choose.
+        """
         settings = self._settings
         began = time.perf_counter()
-        found = recognize(
+        recognition = recognize(
             settings.models,
             self._contacts,
-            features=settings.features,
             misses=self._misses,
             prior=settings.prior,
             max_hypotheses=settings.max_hypotheses,
         )
+        moves = [(step.start, step.end, step.reply) for step in self._steps]
+        found = Found(recognition, refuted(recognition.hypotheses, moves, settings.sensor))
         self._seconds["recognition"] += time.perf_counter() - began
         self._found = found
         self._journal.record(recognized_event(found))
@@ -151,12 +155,16 @@ class Run:
         self._tell()
         return found
 
-    def _decide(self, found: Recognition) -> None:
+    def _decide(self, found: Found) -> None:
         """Touch once more, or end."""
         if not found.complete:
             if not self._scan(self._width / FINER):
                 raise _Ended("budget", "more hypotheses are left than are wanted, and no scan is")
         elif not found.hypotheses:
+            if found.refuted:
+                raise _Ended(
+                    "unexplained", "no model explains what was met first on the lines of the guarded moves"
+                )
             raise _Ended("unexplained", "no model explains what was touched, missed and swept")
         elif len(found.hypotheses) == 1:
             self._verify(found.hypotheses[0])
@@ -210,17 +218,13 @@ class Run:
         if not is_promising(path, len(hypotheses)):
             if cut_short:
                 raise _Ended("budget", "planning was cut short before it found a path that tells anything")
+            known = "" if proved else "; it is not proved that none is certain to"
             raise _Ended(
-                "inseparable", "no path is certain or expected to tell those left apart", proved=proved
+                "inseparable",
+                f"no path that was found is certain or expected to tell those left apart{known}",
+                proved=proved,
             )
-        reply = self._touch(path.start, path.end, purpose="path", path=path)
-        if isinstance(reply, Skid):
-            # Unexpected data (3.4): on a path that can be used, none of them can be touched first beyond the
-            # largest reliable incidence. The free part of the way alone may leave them.
-            self._recognize()
-            raise _Ended(
-                "unexplained", "the tip skidded where no hypothesis left can be touched so obliquely"
-            )
+        self._touch(path.start, path.end, purpose="path", path=path)
 
     def _plan(self, hypotheses: list[Hypothesis]) -> tuple[Path | None, str, bool]:
         """The path, why it is that one, and whether it is proved best; that of the log, if it has one."""
@@ -250,6 +254,13 @@ class Run:
         self._steps.append(Step(purpose, start, end, route, reply, path))
         if isinstance(reply, AlreadyTouching | UnexpectedTouch | Fault):
             raise _Ended("fault", _reason(reply))
+        if path is not None and isinstance(reply, Skid):
+            # Unexpected data (3.4): on a path that can be used, none of them can be touched first beyond the
+            # largest reliable incidence. The free part of the way alone may leave them.
+            self._recognize()
+            raise _Ended(
+                "unexplained", "the tip skidded where no hypothesis left can be touched so obliquely"
+            )
         return reply
 
     def _tell(self) -> None:

@@ -15,6 +15,9 @@ from palpate._core import Contact, Miss, Model, Prior, Sensor
 from palpate.contacts.entry import mm_per
 from palpate.loop.route import Array, workspace_of
 
+MAX_TOUCHES = 200
+MAX_HYPOTHESES = 1000
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -88,8 +91,7 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
         given["stop"] = tuple(given["stop"])
     given["until"] = _until(given["until"])
     given["directions"] = _directions(given["directions"])
-    if given["features"] is not None:
-        given["features"] = list(given["features"])
+    given["features"] = _features(given["features"])
     return Settings(listed, sensor, workspace_of(workspace), **given)
 
 
@@ -108,6 +110,15 @@ def _check_whole(name: str, value: Any, least: int) -> None:
         raise ValueError(
             f"{name}: must be a whole number, {least} or more (got {value!r}); give an int in range"
         )
+
+
+def _features(value: Any) -> list[str] | None:
+    if value is None:
+        return None
+    kinds = [value] if isinstance(value, str) else list(value)
+    if not kinds or not set(kinds) <= {"face", "vertex"}:
+        raise ValueError(f'features: unknown kind (got {value!r}); give ("face",), ("vertex",) or both')
+    return kinds
 
 
 def _until(value: Any) -> tuple[float, float] | None:

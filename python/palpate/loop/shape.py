@@ -43,7 +43,7 @@ def problem_of(event: Any) -> str | None:
 
 @cache
 def _schema() -> Node:
-    schema: Node = json.loads((files("palpate") / "schemas" / "run-1.json").read_text("utf-8"))
+    schema: Node = json.loads(files("palpate").joinpath("schemas").joinpath("run-1.json").read_text("utf-8"))
     return schema
 
 
@@ -114,7 +114,7 @@ def _of_array(value: list[Any], node: Node, where: tuple[str, ...]) -> _Problem 
 
 
 def _of_number(value: float, node: Node, where: tuple[str, ...]) -> _Problem | None:
-    low: float = node.get("minimum", node.get("exclusiveMinimum", -math.inf))
+    low: Any = node.get("minimum", node.get("exclusiveMinimum", -math.inf))
     if not abs(value) < LARGEST:
         return _Problem(where, f"must be finite (got {_brief(value)})")
     if value < low or ("exclusiveMinimum" in node and value == low):

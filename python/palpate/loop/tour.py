@@ -10,10 +10,10 @@ import numpy as np
 from palpate._core import Miss
 from palpate.loop.entries import Event, reply_event, reply_in
 from palpate.loop.journal import Journal
-from palpate.loop.result import Purpose
+from palpate.loop.result import Purpose, stop_of
 from palpate.loop.route import Array, length_of, nearest_on_border, on_border, perimeter_route, rest_of
 from palpate.loop.settings import Settings
-from palpate.probe import Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
+from palpate.probe import Fault, Probe, Reply, UnexpectedTouch
 
 
 class Tour:
@@ -67,14 +67,16 @@ class Tour:
         """Make the guarded move; the tip is at its start."""
         event: Event = {"event": "touch", "purpose": purpose, "start": start.tolist(), "end": end.tolist()}
         self._journal.record(event)
+        if not self._journal.live and self._probe is not None:
+            # Errors of a simulated probe depend on how often it made the move: so it must know of this one.
+            made = getattr(self._probe, "made", None)
+            if made is not None:
+                made(start, end)
         reply = reply_in(self._journal.answer(lambda: self._touched(start, end)))
         if reply is None:
             raise ValueError("probe: a guarded move was answered by nothing; it must answer a reply")
-        stopped = end
-        if isinstance(reply, Hit):
-            stopped = reply.contact.center
-        elif isinstance(reply, Skid):
-            stopped = reply.free.end
+        went_to = stop_of(reply, end)
+        stopped = start if went_to is None else went_to
         self.travel += math.dist(start, stopped)
         self._at = stopped
         on_far_side = isinstance(reply, Miss) and on_border(self._workspace, end)

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from palpate._core import Hypothesis, Miss
+from palpate._core import Hypothesis
 from palpate.loop import Result, Step
+from palpate.loop.result import PURPOSES, hypotheses_words
 from palpate.plots.pictures import MOST_DRAWN
 from palpate.plots.shapes import Array, draw_contact, draw_model, placed
 from palpate.plots.style import FAINT, RC, SENSED, new_figure, part_style, set_frame, shape_of
@@ -157,7 +158,7 @@ def _draw_step(axes: Axes, step: Step, *, faint: bool) -> None:
     """Planned dashed, travelled solid, the free move before it dotted."""
     color = FAINT if faint or step.path is None else SENSED
     alpha = 0.5 if faint else 1.0
-    stopped = _stopped(step)
+    stopped = step.stopped
     ahead = np.array([step.start if stopped is None else stopped, step.end])
     axes.plot(*ahead.T, color=color, alpha=alpha, lw=1.0, ls=(0, (5, 3)), zorder=6)
     if stopped is not None:
@@ -169,26 +170,17 @@ def _draw_step(axes: Axes, step: Step, *, faint: bool) -> None:
         axes.plot(*step.reply.free.end, marker="x", ms=6, color=color, alpha=alpha, zorder=8)
 
 
-def _stopped(step: Step) -> Array | None:
-    """Where the tip stopped; None if it did not go."""
-    if isinstance(step.reply, Hit):
-        return step.reply.contact.center
-    if isinstance(step.reply, Skid):
-        return step.reply.free.end
-    return step.end if isinstance(step.reply, Miss) else None
-
-
 def _many(hypotheses: Sequence[Hypothesis]) -> str:
     count = len(hypotheses)
     drawn = f", the first {MOST_DRAWN} drawn" if count > MOST_DRAWN else ""
-    return f"{count} hypothes{'is' if count == 1 else 'es'}{drawn}" if count else ""
+    return f"{hypotheses_words(count)}{drawn}" if count else ""
 
 
 def _title(result: Result, step: int | None, many: str) -> str:
     if step is None:
         ended = f"{result.status.replace('_', ' ')} after {result.touches} guarded moves"
         return f"{ended}: {many or 'no hypothesis'}"
-    purpose = {"scan": "scan", "path": "path", "verify": "one more touch"}[result.steps[step].purpose]
+    purpose = PURPOSES[result.steps[step].purpose]
     return f"guarded move {step + 1}, {purpose}" + (f": {many} before it" if many else "")
 
 

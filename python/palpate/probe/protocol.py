@@ -98,7 +98,6 @@ class Probe(Protocol):
 
         Returns:
             None: it is at the last point and touched nothing. `UnexpectedTouch`: it touched, and stopped
-                there. `Fault`: it
-            can't go on.
+                there. `Fault`: it can't go on.
         """
         ...

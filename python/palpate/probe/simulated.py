@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
 from collections import Counter
 from typing import Any, Literal, TypeAlias, get_args
@@ -10,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from palpate._core import Contact, FirstContact, Miss, Model, Sensor
+from palpate.model_json import document_of
 from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Reply, Skid, UnexpectedTouch
 
 Array: TypeAlias = NDArray[np.float64]
@@ -83,6 +86,21 @@ class SimulatedProbe:
         self._came_from: Array | None = None
 
     @property
+    def simulation(self) -> dict[str, Any]:
+        """All that the answers depend on beside the moves, as JSON."""
+        drawn = json.dumps(document_of(self._model, "mm"), sort_keys=True)  # lengths are as they are
+        return {
+            "truth": self._model.name,
+            "truth_sha256": hashlib.sha256(drawn.encode()).hexdigest(),
+            "world_from_model": self._world_from_model.tolist(),
+            "sensor": sensor_entry(self._sensor),
+            "believed": sensor_entry(self._believed),
+            "noise": self._noise,
+            "overtravel": self._overtravel,
+            "seed": self._seed,
+        }
+
+    @property
     def position(self) -> Array | None:
         """Where the tip's centre is sensed to be, shape `(2,)`; None before the first move, unless given."""
         return None if self._position is None else self._position.copy()
@@ -117,6 +135,10 @@ class SimulatedProbe:
             short = float(direction @ (center - start)) - self._believed.position_error
             return Skid(self._free(start, start + max(0.0, short) * direction))
         return Hit(self._contact(start, direction, center, met=met))
+
+    def made(self, start: ArrayLike, end: ArrayLike) -> None:
+        """The guarded move was made before, by a run that is taken up: made again, it has other errors."""
+        self._errors_of(point_of("start", start), point_of("end", end))
 
     def move(self, points: ArrayLike) -> UnexpectedTouch | Fault | None:
         """Move freely; see `Probe.move`. The way back to the start of the last guarded move is free.
@@ -230,6 +252,17 @@ def random_pose(model: Model, workspace: Array, *, room: float, random: np.rando
         f"workspace: {model.name!r} has no room in it (got none of {MOST_TURNS} random rotations); "
         "give a larger one"
     )
+
+
+def sensor_entry(sensor: Sensor) -> dict[str, Any]:
+    """As JSON; the keys are the arguments of `Sensor`."""
+    return {
+        "position_error": sensor.position_error,
+        "normal_error": sensor.normal_error,
+        "max_incidence": sensor.max_incidence,
+        "tip_radius": sensor.tip_radius,
+        "path_error": sensor.path_error,
+    }
 
 
 def point_of(argument: str, value: ArrayLike) -> Array:

@@ -1,5 +1,6 @@
 //! Free space as evidence: what a tip swept without touching can't hold the part (DESIGN §2, MATH 2.1.1).
 
+use crate::part::Surface;
 use std::f64::consts::PI;
 
 use arrayvec::ArrayVec;
@@ -8,7 +9,7 @@ use glam::DVec2;
 use super::arc::Arc;
 use super::case::PivotPose;
 use super::distance::{crossing, segment_to_segment, to_segment};
-use super::model::{Face, Model, Surface, Vertex};
+use super::model::{Face, Model, Vertex};
 use super::site::Site;
 use crate::contact::Evidence;
 

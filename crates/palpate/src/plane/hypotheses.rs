@@ -17,6 +17,8 @@ use super::solve::{self, Solution};
 use super::subdivide::{self, Bundle};
 use super::tables::FeatureTables;
 use crate::feature::Feature;
+use crate::groups::Groups;
+use crate::recognize::Explanations;
 use crate::tree::{self, Counters};
 
 /// Nodes of the interpretation tree after which pose cells are divided instead.
@@ -24,18 +26,6 @@ const MOST_NODES: u64 = 100_000;
 
 /// Feasible assignments after which pose cells are divided instead.
 const MOST_FEASIBLE: usize = 256;
-
-/// All that one model has to say to the evidence.
-#[derive(Debug)]
-pub(crate) struct Explanations {
-    /// The pose sets of its hypotheses.
-    pub hypotheses: Vec<PoseSet>,
-    pub counters: Counters,
-    /// Boxes of poses examined where the tree was given up.
-    pub num_boxes: u64,
-    /// Nothing was left out.
-    pub complete: bool,
-}
 
 /// A valid assignment and its poses.
 struct Valid {
@@ -284,44 +274,4 @@ fn aligned(case: &Case, pieces: Vec<Piece>) -> Vec<Piece> {
         }
     };
     pieces.into_iter().map(align).collect()
-}
-
-/// Sets of numbers that are united step by step.
-struct Groups {
-    parents: Vec<usize>,
-}
-
-impl Groups {
-    fn new(count: usize) -> Self {
-        Self { parents: (0..count).collect() }
-    }
-
-    /// The least member of the group.
-    fn root(&mut self, mut member: usize) -> usize {
-        while self.parents[member] != member {
-            self.parents[member] = self.parents[self.parents[member]];
-            member = self.parents[member];
-        }
-        member
-    }
-
-    fn unite(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parents[a.max(b)] = a.min(b);
-    }
-
-    /// The members of each group, groups in the order of their least member.
-    fn collect<T>(mut self, members: impl Iterator<Item = T>) -> Vec<Vec<T>> {
-        let mut places = vec![usize::MAX; self.parents.len()];
-        let mut collected: Vec<Vec<T>> = Vec::new();
-        for (k, member) in members.enumerate() {
-            let root = self.root(k);
-            if root == k {
-                places[k] = collected.len();
-                collected.push(Vec::new());
-            }
-            collected[places[root]].push(member);
-        }
-        collected
-    }
 }

@@ -8,9 +8,8 @@ mod distance;
 mod free;
 mod hypotheses;
 mod model;
-mod nearest;
 mod outcome;
-mod outline;
+pub(crate) mod outline;
 pub(crate) mod planners;
 mod polytope;
 mod pose;
@@ -29,12 +28,12 @@ mod tables;
 mod thesis;
 
 pub use arc::Arc;
-pub use model::{Face, Mend, Model, Surface, Symmetry, Vertex};
+pub use model::{Face, Model, Symmetry, Vertex};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
 pub use rays::{FirstContact, Line};
 pub use thesis::ThesisPose;
 
 pub(crate) use case::Case;
-pub(crate) use hypotheses::{Explanations, explain};
+pub(crate) use hypotheses::explain;
 pub(crate) use scene::Scene;

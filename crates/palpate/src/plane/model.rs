@@ -3,8 +3,6 @@
 //! Material is on the left of every face `start → end`, so that its normal points to the right. Corners that turn
 //! left are therefore convex, those of a hole as well.
 
-use std::f64::consts::FRAC_PI_2;
-
 use glam::DVec2;
 
 use super::outline::{self, Outline};
@@ -12,18 +10,8 @@ use super::segments;
 use super::symmetry::{asymmetry, symmetries};
 use super::tables::TableCache;
 use super::{Arc, Pose};
+use crate::part::{Mend, Surface, check_slacks, checked_name, mark};
 use crate::{Error, Feature};
-
-/// What a face is to a probe.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Surface {
-    /// Can be touched.
-    Touchable,
-    /// In the way of a path, but never the answer to a touch.
-    Untouchable,
-    /// Not there: a seam between two pieces of one part.
-    Seam,
-}
 
 /// A line segment with its outward normal on the right of `start → end`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,10 +45,6 @@ pub struct Symmetry {
     /// `vertices[k]` is the vertex on which vertex `k` comes to lie.
     pub vertices: Vec<u32>,
 }
-
-/// Something that was mended when a model was read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Mend(pub String);
 
 /// A part in the plane.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,6 +80,7 @@ impl Symmetry {
         match feature {
             Feature::Face(number) => Feature::Face(self.faces[number as usize]),
             Feature::Vertex(number) => Feature::Vertex(self.vertices[number as usize]),
+            Feature::Edge(_) => feature,
         }
     }
 
@@ -188,7 +173,7 @@ impl Model {
     ///
     /// ```
     /// use glam::dvec2;
-    /// use palpate::plane::{Model, Surface};
+    /// use palpate::{Surface, plane::Model};
     ///
     /// let bracket = [[dvec2(0.0, 0.0), dvec2(40.0, 0.0)], [dvec2(40.0, 0.0), dvec2(40.0, 15.0)]];
     /// let model = Model::segments("bracket", &bracket, &[], &[0], 0.0, 0.0).unwrap();
@@ -267,48 +252,6 @@ fn largest_distance(vertices: &[Vertex]) -> f64 {
         largest_sq = farthest_sq.fold(largest_sq, f64::max);
     }
     largest_sq.sqrt()
-}
-
-fn checked_name(name: String) -> Result<String, Error> {
-    if name.trim().is_empty() {
-        let value = format!("{name:?}");
-        return Err(Error::new(
-            "name",
-            "must not be empty",
-            value,
-            "give the part a name, such as \"bracket\"",
-        ));
-    }
-    Ok(name)
-}
-
-fn check_slacks(position_slack: f64, normal_slack: f64) -> Result<(), Error> {
-    if !(position_slack.is_finite() && position_slack >= 0.0) {
-        let problem = "must be a finite length, zero or more";
-        return Err(Error::new("position_slack", problem, position_slack, "give 0 for an exact outline"));
-    }
-    if !(0.0..FRAC_PI_2).contains(&normal_slack) {
-        let problem = "must be an angle in radians, at least 0 and less than π/2";
-        return Err(Error::new("normal_slack", problem, normal_slack, "give 0 for an exact outline"));
-    }
-    Ok(())
-}
-
-/// Gives the numbered faces their surface.
-fn mark(surfaces: &mut [Surface], argument: &str, numbers: &[usize], surface: Surface) -> Result<(), Error> {
-    for &number in numbers {
-        let count = surfaces.len();
-        let Some(entry) = surfaces.get_mut(number) else {
-            let problem = format!("there is no face of this number among {count}");
-            return Err(Error::new(argument, problem, number, "number the faces as given, from 0"));
-        };
-        if *entry != Surface::Touchable && *entry != surface {
-            let problem = "a face can't be both a seam and untouchable";
-            return Err(Error::new(argument, problem, number, "name it in one of the two lists"));
-        }
-        *entry = surface;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! What a line may meet first, over a whole pose set (MATH 2.3.4, 2.3.5; `docs/theory.md`, T11).
 
+use crate::part::Surface;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
 use super::arc::{Arc, wrap};
-use super::model::{Model, Surface};
+use super::model::Model;
 use super::rays::Line;
 use super::shadow::{PlacedCell, Shadow, Spot};
 use crate::feature::Feature;

@@ -1,10 +1,10 @@
 //! Loops of points made into clean outlines, or refused with the reason.
 
+use crate::part::{Mend, Surface};
 use glam::DVec2;
 use robust::Coord;
 
 use super::crossing;
-use super::model::{Mend, Surface};
 use crate::Error;
 
 /// Points closer than this share of the part's size are one point, and points this close to a line are on it.
@@ -18,22 +18,22 @@ const SIZES: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// A corner of a loop, and the face that begins there.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Corner {
+pub(crate) struct Corner {
     /// Where it is.
-    pub(super) point: DVec2,
+    pub(crate) point: DVec2,
     /// The number of the face as given.
-    pub(super) given: usize,
+    pub(crate) given: usize,
     /// What the face is to a probe.
     pub(super) surface: Surface,
 }
 
 /// A loop, and the argument it came from.
 #[derive(Debug, Clone)]
-pub(super) struct Outline {
+pub(crate) struct Outline {
     /// As the caller names it.
     pub(super) argument: String,
     /// In order; the last is followed by the first.
-    pub(super) corners: Vec<Corner>,
+    pub(crate) corners: Vec<Corner>,
 }
 
 /// Twice the signed area of the triangle: positive if it turns left at `b`. The sign is exact.
@@ -74,7 +74,7 @@ pub(super) fn merge_distance(argument: &str, points: impl Iterator<Item = DVec2>
 }
 
 /// The outer loop counter-clockwise and the holes clockwise, without doubled points and points on straight runs.
-pub(super) fn clean(
+pub(crate) fn clean(
     vertices: &[DVec2],
     holes: &[Vec<DVec2>],
     surfaces: &[Surface],

@@ -14,8 +14,9 @@ use super::pose::Pose;
 use super::region::{self, DIRECTIONS};
 use super::solve::{self, Witness};
 use super::thesis::ThesisPose;
+use crate::dimension::Poses;
 use crate::feature::Feature;
-use crate::hypothesis::Count;
+use crate::hypothesis::{Count, choices};
 
 /// Assignments are counted by trying so many choices of features at most.
 const MOST_ATTEMPTS: usize = 10_000;
@@ -380,21 +381,26 @@ impl PoseSet {
     }
 }
 
-/// Every choice of one member of each set, the last set varying fastest.
-fn choices(sets: Vec<Vec<Feature>>) -> impl Iterator<Item = Vec<Feature>> {
-    let mut at = (!sets.iter().any(Vec::is_empty)).then(|| vec![0; sets.len()]);
-    std::iter::from_fn(move || {
-        let choice = at.as_ref()?.iter().zip(&sets).map(|(k, set)| set[*k]).collect();
-        let places = at.as_mut()?;
-        let advanced = (0..sets.len()).rev().any(|slot| {
-            places[slot] = (places[slot] + 1) % sets[slot].len();
-            places[slot] != 0
-        });
-        if !advanced {
-            at = None;
-        }
-        Some(choice)
-    })
+impl Poses<DVec2> for PoseSet {
+    fn marginal(&self) -> bool {
+        self.marginal()
+    }
+
+    fn largest_slack(&self) -> Pose {
+        self.largest_slack()
+    }
+
+    fn assignment_count(&self) -> Count {
+        self.assignment_count()
+    }
+
+    fn assignments(&self) -> Box<dyn Iterator<Item = Vec<Feature>> + Send> {
+        Box::new(self.assignments())
+    }
+
+    fn of_assignment(&self, assignment: &[Feature]) -> Self {
+        self.of_assignment(assignment)
+    }
 }
 
 /// Joins arcs that overlap; `arcs` are in order of their starts.

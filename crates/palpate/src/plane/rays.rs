@@ -1,8 +1,9 @@
 //! Lines, and what a tip on one meets first at one pose.
 
+use crate::part::Surface;
 use glam::DVec2;
 
-use super::model::{Face, Model, Surface};
+use super::model::{Face, Model};
 use super::pose::Pose;
 use crate::Feature;
 
@@ -108,6 +109,7 @@ impl Model {
         match feature {
             Feature::Face(number) => self.faces[number as usize].surface == Surface::Touchable,
             Feature::Vertex(number) => self.vertices[number as usize].normals.is_some(),
+            Feature::Edge(_) => false,
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Loose faces: their ends joined to vertices.
 
+use crate::part::{Mend, Surface};
 use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::model::{Face, Mend, Surface, Vertex};
+use super::model::{Face, Vertex};
 use super::outline::{merge_distance, turn};
 use crate::Error;
 

@@ -1,5 +1,6 @@
 //! A hypothesis over all its poses, made ready for lines (`docs/theory.md`, T11).
 
+use crate::part::Surface;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops;
 
@@ -7,7 +8,7 @@ use glam::DVec2;
 
 use super::arc::{Arc, wrap};
 use super::cell::Cell;
-use super::model::{Face, Model, Surface, Vertex};
+use super::model::{Face, Model, Vertex};
 use super::pose_set::PoseSet;
 use crate::feature::Feature;
 

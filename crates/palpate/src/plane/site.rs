@@ -24,7 +24,7 @@ impl Site {
                 let face = model.faces.get(number as usize)?;
                 let span = face.end - face.start;
                 let length = span.length();
-                (face.surface == super::model::Surface::Touchable).then(|| Self::Segment {
+                (face.surface == crate::part::Surface::Touchable).then(|| Self::Segment {
                     start: face.start + radius * face.normal,
                     along: span / length,
                     length,
@@ -34,6 +34,7 @@ impl Site {
                 let vertex = model.vertices.get(number as usize)?;
                 vertex.normals.map(|normals| Self::Arc { middle: vertex.point, radius, normals })
             }
+            Feature::Edge(_) => None,
         }
     }
 

@@ -8,7 +8,7 @@ use std::collections::{BinaryHeap, VecDeque};
 use super::arc::Arc;
 use super::case::PivotPose;
 use super::cell::{Cell, Conditions};
-use super::nearest::Nearest;
+use crate::nearest::Nearest;
 
 /// Rotations are first divided into cells of at most this half width, radians.
 const FIRST_HALF: f64 = 0.08;

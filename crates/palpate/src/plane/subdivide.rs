@@ -9,11 +9,11 @@ use std::collections::BinaryHeap;
 use super::arc::Arc;
 use super::case::{Case, Datum, PivotPose};
 use super::cell::{Cell, Conditions};
-use super::nearest::Nearest;
 use super::pose_set::explains;
 use super::site::Site;
 use super::solve::{self, Witness};
 use crate::feature::Feature;
+use crate::nearest::Nearest;
 
 /// A box is left as assignments when there are at most so many.
 const FEW: usize = 4;

@@ -4,12 +4,13 @@
 //! a face onto itself, start to start, is the identity; so each orbit of faces has `m` members, and `m` divides their
 //! number. The divisors are tried from the largest down.
 
+use crate::part::Surface;
 use std::f64::consts::TAU;
 
 use glam::DVec2;
 
 use super::Pose;
-use super::model::{Face, Surface, Symmetry, Vertex};
+use super::model::{Face, Symmetry, Vertex};
 
 /// How far a mapped point may be from its image, as a share of the model's size: far below τ, as what holds for a pose
 /// is taken to hold for its images.

@@ -1,5 +1,6 @@
 //! Pair tables of planar features and of planar contacts (thesis 2.2.1–2.2.2, corrected by MATH 1.1 and 2.2).
 
+use crate::part::Surface;
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc as Shared, OnceLock};
 
@@ -8,7 +9,7 @@ use glam::DVec2;
 use super::arc::{Arc, wrap};
 use super::case::Case;
 use super::distance::{segment_to_segment, to_segment};
-use super::model::{Face, Model, Surface};
+use super::model::{Face, Model};
 use crate::feature::Feature;
 use crate::tree::{ContactPairs, FeaturePairs, PairRange, Range};
 

@@ -6,12 +6,12 @@
 //! normals can't be told apart, a point could be assigned to either: the cell is blocking. Normals count because the
 //! sensor reads them. Of a loose model there is no inside; its extended faces stand for it.
 
+use crate::part::Surface;
 use std::collections::BTreeMap;
 
 use glam::DVec2;
 
 use super::whole;
-use crate::plane::Surface;
 use crate::plane::arc::wrap;
 use crate::plane::distance::to_segment;
 use crate::plane::scene::Scene;

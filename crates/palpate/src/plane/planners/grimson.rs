@@ -8,6 +8,7 @@
 //! and others at the extremes of the pose set, so that what differs between them is not relied upon; a region is divided
 //! until all its buckets tell the same, or one is left. Of regions that tell alike the wider comes first.
 
+use crate::part::Surface;
 use std::f64::consts::PI;
 
 use glam::DVec2;
@@ -18,7 +19,7 @@ use crate::plan::PlanSettings;
 use crate::plane::arc::wrap;
 use crate::plane::pose::Pose;
 use crate::plane::scene::Scene;
-use crate::plane::{Face, Surface, Vertex};
+use crate::plane::{Face, Vertex};
 use crate::tree::Range;
 
 /// A rendered bucket: depth, and how far the normal is turned from the way back; `None` if nothing is met.

@@ -3,6 +3,7 @@
 //!
 //! Nominal poses propose. A few more poses of each hypothesis sort out, and the judge, who knows all poses, decides.
 
+use crate::part::Surface;
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,7 +12,6 @@ use glam::DVec2;
 use crate::best::Best;
 use crate::plan::Stop;
 use crate::plane::arc::wrap;
-use crate::plane::model::Surface;
 use crate::plane::scene::Scene;
 
 /// Directions of the first round, and of the second, if the first finds nothing that is good enough.

@@ -1,12 +1,13 @@
 //! What lines of a box may meet first of parts at fixed poses, and which readings are surely alike on all of them.
 
+use crate::part::Surface;
 use std::f64::consts::PI;
 
 use arrayvec::ArrayVec;
 use glam::DVec2;
 
 use super::complete::LineBox;
-use crate::plane::model::{Face, Surface};
+use crate::plane::model::Face;
 use crate::plane::pose::Pose;
 use crate::plane::scene::Scene;
 use crate::tree::Range;

@@ -1,0 +1,194 @@
+//! One model against the evidence, in the coordinates in which pose sets are computed.
+//!
+//! A pose is written `(S, y)`: `S` turns world directions into the model's frame, and `y` is the model point that is
+//! placed at the *pivot*, a world point in the middle of the contacts. The world point `pivot + c` is then the model
+//! point `y + S c`: features stay where they are, and levers `c` have the size of the data.
+
+use std::sync::Arc as Shared;
+use std::sync::atomic::Ordering::Relaxed;
+
+use glam::{DMat3, DVec3};
+
+use super::free::Sweep;
+use super::model::Model;
+use super::pose::{self, Pose};
+use super::prior::Prior;
+use super::site::{Reading, Site, angle};
+use crate::contact::{Contact, Evidence};
+use crate::feature::Feature;
+use crate::recognize::Halt;
+
+/// A pose as the rotation into the model's frame and the model point at the pivot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PivotPose {
+    pub rotation: DMat3,
+    pub y: DVec3,
+}
+
+impl PivotPose {
+    /// Where a world point, given from the pivot, lies in the model's frame.
+    pub fn place(self, lever: DVec3) -> DVec3 {
+        self.y + self.rotation * lever
+    }
+}
+
+/// A contact as seen from the pivot, the model's slacks added to its bounds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Datum {
+    /// Sensed centre of the tip from the pivot, world frame.
+    pub lever: DVec3,
+    /// Its bound: position error and position slack.
+    pub bound: f64,
+    /// Radius of the tip.
+    pub radius: f64,
+    /// The outward normals that the reading allows, world frame.
+    pub reading: Reading,
+}
+
+/// A model, the evidence, and the tolerances.
+#[derive(Debug)]
+pub(crate) struct Case {
+    pub model: Shared<Model>,
+    pub data: Vec<Datum>,
+    pub pivot: DVec3,
+    pub prior: Option<Prior>,
+    pub sweeps: Vec<Sweep>,
+    /// Half of τ, a length: a pose is kept if it is valid with every bound enlarged by it. What is asked of a pose
+    /// later allows for all of τ, so that rounding in between does not matter.
+    pub length_tolerance: f64,
+    /// The same as an angle: half of τ over the size of the part.
+    pub angle_tolerance: f64,
+    /// Bounds every coordinate that occurs; rounding is measured in it.
+    pub scale: f64,
+    stop: Halt,
+}
+
+/// Outward rounding: computed bounds are wider by this share of the scale, some 10⁴ units of rounding.
+const OUTWARD: f64 = 1e-12;
+
+/// The share of the part's own size, in angle or length, by which a bound may be missed through rounding alone.
+const ROUNDING: f64 = 1e-10;
+
+impl Case {
+    /// `tolerance` is relative to the part's size.
+    pub fn new(model: &Shared<Model>, evidence: &Evidence<DVec3>, tolerance: f64, stop: &Halt) -> Self {
+        let pivot = middle(&evidence.contacts);
+        // Without a prior one assignment stands for all that the symmetries take it to, up to what they miss.
+        let (miss, turn) = if evidence.prior.is_none() { model.asymmetry } else { (0.0, 0.0) };
+        let slacks = (model.position_slack + miss, model.normal_slack + turn);
+        let data: Vec<Datum> =
+            evidence.contacts.iter().map(|contact| datum(contact, slacks, pivot)).collect();
+        let sweeps = Sweep::all(evidence, model, slacks.0, pivot);
+        let reach = |points: &mut dyn Iterator<Item = DVec3>| points.map(DVec3::length).fold(0.0, f64::max);
+        let scale = model.size
+            + reach(&mut model.vertices.iter().map(|vertex| vertex.point))
+            + sweeps.iter().map(Sweep::reach).fold(0.0, f64::max)
+            + data.iter().map(|datum| datum.lever.length() + datum.bound + datum.radius).fold(0.0, f64::max);
+        Self {
+            model: Shared::clone(model),
+            data,
+            pivot,
+            prior: evidence.prior,
+            sweeps,
+            length_tolerance: 0.5 * tolerance * model.size,
+            angle_tolerance: 0.5 * tolerance,
+            scale,
+            stop: Halt::clone(stop),
+        }
+    }
+
+    /// Whether searches are to be given up.
+    pub fn stopped(&self) -> bool {
+        self.stop.load(Relaxed)
+    }
+
+    /// A length that covers all rounding in this case.
+    pub fn outward(&self) -> f64 {
+        OUTWARD * self.scale
+    }
+
+    /// A length by which rounding alone may miss a bound.
+    pub fn rounding(&self) -> f64 {
+        (ROUNDING * self.scale).min(0.5 * self.length_tolerance)
+    }
+
+    pub fn pivot_pose(&self, world_from_model: Pose) -> PivotPose {
+        let y = world_from_model.inverse().apply(self.pivot);
+        PivotPose { rotation: world_from_model.rotation.transpose(), y }
+    }
+
+    pub fn pose(&self, pose: PivotPose) -> Pose {
+        let rotation = pose.rotation.transpose();
+        Pose { rotation, translation: self.pivot - rotation * pose.y }
+    }
+
+    /// The sites of `feature` for the tip of contact `i`.
+    pub fn sites(&self, contact: usize, feature: Feature) -> Vec<Site> {
+        Site::all(&self.model, feature, self.data[contact].radius)
+    }
+
+    /// By how much contact `i` misses the nearest of the sites at `pose`: a length beyond its bound. Infinite where the
+    /// normals, widened by `slack`, exclude all of them.
+    pub fn excess(&self, contact: usize, sites: &[Site], pose: PivotPose, slack: f64) -> f64 {
+        let datum = &self.data[contact];
+        let caps = datum.reading.caps(slack, |axis| pose.rotation * axis);
+        let place = pose.place(datum.lever);
+        sites.iter().map(|site| site.distance(place, &caps)).fold(f64::INFINITY, f64::min) - datum.bound
+    }
+
+    /// By how much the prior is missed: the larger of the excess in translation and in rotation times the size.
+    pub fn prior_excess(&self, pose: PivotPose) -> f64 {
+        let Some(prior) = self.prior else { return f64::NEG_INFINITY };
+        let pose = self.pose(pose);
+        let offset = pose.translation - prior.world_from_model.translation;
+        let turn = pose.rotation * prior.world_from_model.rotation.transpose();
+        let size = self.model.size;
+        match prior.lying {
+            None => (offset.abs().max_element() - prior.translation)
+                .max((pose::angle(turn) - prior.rotation) * size),
+            Some(lying) => {
+                let height = offset.dot(lying.normal);
+                let along = (offset - height * lying.normal).length();
+                let (tilt, twist) = tilt_and_twist(turn, lying.normal);
+                (along - prior.translation)
+                    .max(height.abs() - lying.height)
+                    .max((tilt - lying.tilt) * size)
+                    .max((twist.abs() - prior.rotation) * size)
+            }
+        }
+    }
+
+    /// Whether prior and free sweeps allow the pose, within `slack`.
+    pub fn allows(&self, pose: PivotPose, slack: f64) -> bool {
+        self.prior_excess(pose) <= slack
+            && self.sweeps.iter().all(|sweep| sweep.free(&self.model, pose, slack))
+    }
+}
+
+/// A rotation as a tilt of `normal` followed by a turn about it, radians.
+pub(crate) fn tilt_and_twist(rotation: DMat3, normal: DVec3) -> (f64, f64) {
+    let turn = glam::DQuat::from_mat3(&rotation);
+    let along = DVec3::new(turn.x, turn.y, turn.z).dot(normal);
+    let twist = 2.0 * along.atan2(turn.w);
+    let twist = twist - std::f64::consts::TAU * (twist / std::f64::consts::TAU).round();
+    (angle(rotation * normal, normal), twist)
+}
+
+/// The middle of the contacts' bounding box.
+fn middle(contacts: &[Contact<DVec3>]) -> DVec3 {
+    let mut centers = contacts.iter().map(|contact| contact.center);
+    let first = centers.next().unwrap_or_default();
+    let (low, high) = centers.fold((first, first), |(low, high), at| (low.min(at), high.max(at)));
+    0.5 * (low + high)
+}
+
+fn datum(contact: &Contact<DVec3>, (position_slack, normal_slack): (f64, f64), pivot: DVec3) -> Datum {
+    let sensed = contact.normal.map(|normal| (normal.direction, normal.error + normal_slack));
+    let facing = contact.approach.map(|approach| (-approach, normal_slack));
+    Datum {
+        lever: contact.center - pivot,
+        bound: contact.position_error + position_slack,
+        radius: contact.tip_radius,
+        reading: Reading { sensed, facing },
+    }
+}

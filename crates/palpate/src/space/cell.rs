@@ -1,0 +1,570 @@
+//! A cell of pose space, and linear conditions that hold for every valid pose in it.
+//!
+//! Rotations are written in a chart, `S = exp(v) S₀`, with `v` in a box: boxes of one chart nest exactly. About the
+//! middle `v₀`, with `A = exp(v₀) S₀`, J the left Jacobian at `v₀` and `v = v₀ + d`,
+//!
+//! `S c = A c + (J d) × A c + ρ`,  `|ρ| ≤ ½ (1 + |v|/6) |d|² |c|`
+//!
+//! (the angular velocity along a straight line of the chart changes by no more than `|v| |d|²/6`; proof in
+//! docs/theory.md). So every condition `u·(y + S c) ≤ b` implies one that is linear in `(d, y)`, loose by a second-order
+//! term only: few cells are tight. (MATH 2.1.2 is loose by `|d| |c|`.)
+
+use glam::{DMat3, DVec3};
+
+use super::case::{Case, PivotPose};
+use super::free::Sweep;
+use super::lp::{self, Row};
+use super::pose::{Pose, rotation};
+use super::site::{Site, angle};
+use crate::feature::Feature;
+
+/// `(d, y − y₀, share)`: the last is how much of every bound is left, as a share.
+pub(crate) const WIDTH: usize = 7;
+
+/// The largest share that is asked for.
+const MOST_SHARE: f64 = 1e3;
+
+/// Bounds below this share of the part count as so much where shares are compared.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// Above this radius, radians, the linear conditions say too little.
+const WIDEST: f64 = 1.2;
+
+/// A site of each of so many features is bounded by all their directions, more by those of a box.
+const FEW_SITES: usize = 4;
+
+/// A direction in which a candidate was found to miss a condition: of its place, or of its normal.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cut {
+    condition: usize,
+    direction: DVec3,
+    of_normal: bool,
+}
+
+/// A cell keeps its last cuts.
+const MOST_CUTS: usize = 40;
+
+/// A part of pose space.
+#[derive(Debug, Clone)]
+pub(crate) struct Cell {
+    /// `S₀` of its chart.
+    pub base: DMat3,
+    pub v: DVec3,
+    pub v_half: DVec3,
+    pub y: DVec3,
+    pub y_half: DVec3,
+    /// For each condition, the sites that are left in the cell, as numbers among the condition's.
+    pub left: Vec<Vec<u32>>,
+    /// Directions that its linear conditions have beside those of the sites.
+    pub cuts: Vec<Cut>,
+}
+
+/// Contacts on sites: the conditions that a pose must satisfy together.
+#[derive(Debug)]
+pub(crate) struct Conditions<'a> {
+    pub case: &'a Case,
+    /// A contact and the sites it may lie on.
+    pub sites: Vec<(usize, Vec<Site>)>,
+    /// Added to every bound, a length: nothing where a certificate is sought, τ where everything valid up to τ is enclosed.
+    pub slack: f64,
+    /// The same for angles.
+    pub angle: f64,
+}
+
+impl<'a> Conditions<'a> {
+    /// That contact `i` lies on one of the features, for each pair; `None` if one has none that can be touched.
+    pub fn new<'b>(case: &'a Case, pairs: impl Iterator<Item = (usize, &'b [Feature])>) -> Option<Self> {
+        let sites = pairs.map(|(contact, features)| {
+            let sites: Vec<Site> =
+                features.iter().flat_map(|feature| case.sites(contact, *feature)).collect();
+            (!sites.is_empty()).then_some((contact, sites))
+        });
+        let sites: Option<Vec<_>> = sites.collect();
+        Some(Self { case, sites: sites?, slack: 0.0, angle: case.angle_tolerance })
+    }
+
+    /// The same conditions with every bound enlarged by τ.
+    pub fn relaxed(self) -> Self {
+        let case = self.case;
+        Self { slack: 2.0 * case.length_tolerance, angle: 2.0 * case.angle_tolerance, ..self }
+    }
+
+    /// Whether the pose satisfies all of them, bounds enlarged by `length` and `angle`.
+    pub fn satisfied(&self, pose: PivotPose, length: f64, angle: f64) -> bool {
+        self.sites.iter().all(|(contact, sites)| self.case.excess(*contact, sites, pose, angle) <= length)
+            && self.case.allows(pose, length)
+    }
+
+    /// By how much the pose misses the worst of contacts, prior and free space, a length: a measure, not a bound.
+    pub fn miss(&self, pose: PivotPose) -> f64 {
+        let case = self.case;
+        let contacts = self.sites.iter().map(|(contact, sites)| {
+            let excess = case.excess(*contact, sites, pose, case.angle_tolerance);
+            if excess.is_finite() { excess } else { case.model.size * self.turn(*contact, sites, pose) }
+        });
+        let sweeps = case.sweeps.iter().map(|sweep| sweep.intrusion(&case.model, pose));
+        contacts.chain(sweeps).fold(case.prior_excess(pose), f64::max)
+    }
+
+    /// By what angle the normals miss, radians.
+    fn turn(&self, contact: usize, sites: &[Site], pose: PivotPose) -> f64 {
+        let Some((axis, error)) = self.case.data[contact].reading.sensed else { return 1.0 };
+        let axis = pose.rotation * axis;
+        let nearest = sites.iter().map(|site| site.normal_distance(axis)).fold(f64::INFINITY, f64::min);
+        (nearest - error).max(1e-3)
+    }
+
+    /// The largest share of its bounds that a reading uses at the pose.
+    pub fn used(&self, pose: PivotPose) -> f64 {
+        let case = self.case;
+        let share = |(contact, sites): &(usize, Vec<Site>)| {
+            let datum = &case.data[*contact];
+            let length = case.excess(*contact, sites, pose, case.angle_tolerance) + datum.bound;
+            let turn = datum.reading.sensed.map_or(0.0, |(axis, error)| {
+                let axis = pose.rotation * axis;
+                let nearest = sites.iter().map(|site| site.normal_distance(axis));
+                nearest.fold(f64::INFINITY, f64::min) / error.max(1e-9)
+            });
+            (length / datum.bound.max(1e-9 * case.model.size)).max(turn)
+        };
+        self.sites.iter().map(share).fold(0.0, f64::max)
+    }
+
+    /// The largest lever.
+    pub fn reach(&self) -> f64 {
+        let lever = |contact: usize| self.case.data[contact].lever.length() + self.case.data[contact].radius;
+        let contacts = self.sites.iter().map(|(contact, _)| lever(*contact));
+        let sweeps = self.case.sweeps.iter().map(Sweep::reach);
+        contacts.chain(sweeps).fold(0.25 * self.case.model.size, f64::max)
+    }
+}
+
+impl Cell {
+    /// The rotation at its middle.
+    pub fn rotation(&self) -> DMat3 {
+        rotation(self.v) * self.base
+    }
+
+    /// The pose at its middle.
+    pub fn middle(&self) -> PivotPose {
+        PivotPose { rotation: self.rotation(), y: self.y }
+    }
+
+    /// No rotation of the cell is further from its middle's, radians: axis and angle shorten no way.
+    pub fn radius(&self) -> f64 {
+        self.v_half.length()
+    }
+
+    /// The second-order term of a unit lever.
+    pub fn looseness(&self) -> f64 {
+        self.second_order(self.v_half.length_squared())
+    }
+
+    fn second_order(&self, square: f64) -> f64 {
+        0.5 * (1.0 + (self.v.length() + self.v_half.length()) / 6.0) * square
+    }
+
+    /// No pose of the cell moves a point at such a lever further from where its middle does.
+    pub fn motion(&self, lever: f64) -> f64 {
+        chord(self.radius()) * lever + self.y_half.length()
+    }
+
+    /// Halves across the widest side; `turn_only`: of its rotations.
+    pub fn split(&self, reach: f64, turn_only: bool) -> [Self; 2] {
+        let (mut low, mut high) = (self.clone(), self.clone());
+        let turn = widest(self.v_half);
+        let shift = widest(self.y_half);
+        if turn_only || self.v_half[turn] * reach >= self.y_half[shift] {
+            let half = 0.5 * self.v_half[turn];
+            (low.v_half[turn], high.v_half[turn]) = (half, half);
+            low.v[turn] -= half;
+            high.v[turn] += half;
+        } else {
+            let half = 0.5 * self.y_half[shift];
+            (low.y_half[shift], high.y_half[shift]) = (half, half);
+            low.y[shift] -= half;
+            high.y[shift] += half;
+        }
+        [low, high]
+    }
+
+    /// Leaves only the sites that are possible in the cell; `false` if a condition has none, or prior or free space
+    /// exclude all of the cell.
+    pub fn restrict(&mut self, conditions: &Conditions<'_>) -> bool {
+        let case = conditions.case;
+        let turn = self.rotation();
+        let radius = self.radius();
+        for ((contact, sites), left) in conditions.sites.iter().zip(&mut self.left) {
+            let datum = &case.data[*contact];
+            let place = self.y + turn * datum.lever;
+            let near = datum.bound
+                + conditions.slack
+                + chord(radius) * datum.lever.length()
+                + self.y_half.length()
+                + case.outward();
+            let caps = datum.reading.caps(conditions.angle + radius, |axis| turn * axis);
+            left.retain(|number| {
+                let site = &sites[*number as usize];
+                place.distance(site.middle) <= near + site.reach
+                    && caps.iter().all(|cap| {
+                        cap.least <= -1.0 || site.normal_distance(cap.axis).cos() >= cap.least - 1e-12
+                    })
+                    && site.distance(place, &caps) <= near
+            });
+            if left.is_empty() {
+                return false;
+            }
+        }
+        self.allowed(conditions)
+    }
+
+    /// Whether prior and free space leave anything of it.
+    fn allowed(&self, conditions: &Conditions<'_>) -> bool {
+        let case = conditions.case;
+        let middle = self.middle();
+        // A pose moves the model's origin by no more than a lever of that length.
+        let moved = self.motion(self.y.length()) + conditions.slack + case.outward();
+        let turned = 2.0 * self.radius() * case.model.size;
+        // A turn about the plane's normal is well defined, and changes no faster than twice, while the part is upright.
+        let upright = case
+            .prior
+            .and_then(|prior| prior.lying)
+            .is_none_or(|lying| lying.tilt + 2.0 * self.radius() <= 1.0);
+        (!upright || self.radius() > 0.5 || case.prior_excess(middle) <= moved + turned)
+            && case.sweeps.iter().all(|sweep| {
+                let motion = self.motion(sweep.reach()) + conditions.slack;
+                !sweep.intrudes(&case.model, middle, -motion)
+            })
+    }
+
+    /// Linear conditions in `(d, y − y₀, share)`; `at_middle`: those of the first order, that hold for the middle.
+    pub fn rows(&self, conditions: &Conditions<'_>, at_middle: bool) -> Vec<Row<WIDTH>> {
+        let linear = Linear::new(self, conditions, at_middle);
+        let mut rows = Vec::with_capacity(24 * conditions.sites.len());
+        let mut directions = Vec::new();
+        for condition in 0..conditions.sites.len() {
+            let left = || self.left_of(conditions, condition);
+            directions.clear();
+            let mean: DVec3 = left().map(Site::mean_normal).sum();
+            let mean = mean.try_normalize();
+            let (a, b) = mean.unwrap_or(DVec3::Z).any_orthonormal_pair();
+            if left().count() <= FEW_SITES {
+                left().for_each(|site| site.directions(&mut directions));
+            } else {
+                let mean = mean.unwrap_or(DVec3::Z);
+                directions.extend([mean, -mean, a, -a, b, -b]);
+            }
+            rows.extend(directions.iter().filter_map(|direction| linear.of_place(condition, *direction)));
+            if let Some(mean) = mean {
+                let around = (0..8).map(|k| {
+                    let (sine, cosine) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
+                    cosine * a + sine * b
+                });
+                let of_normal = |direction| linear.of_normal(condition, direction);
+                rows.extend(around.chain([-mean]).filter_map(of_normal));
+            }
+        }
+        rows.extend(self.cuts.iter().filter_map(|cut| {
+            if cut.of_normal {
+                linear.of_normal(cut.condition, cut.direction)
+            } else {
+                linear.of_place(cut.condition, cut.direction)
+            }
+        }));
+        self.prior_rows(conditions, at_middle, &mut rows);
+        rows
+    }
+
+    /// The sites of a condition that are left.
+    fn left_of<'a>(
+        &self,
+        conditions: &'a Conditions<'_>,
+        condition: usize,
+    ) -> impl Iterator<Item = &'a Site> {
+        let sites = &conditions.sites[condition].1;
+        self.left[condition].iter().map(move |number| &sites[*number as usize])
+    }
+
+    /// Adds the directions in which a pose misses its conditions.
+    pub fn cut_at(&mut self, conditions: &Conditions<'_>, pose: PivotPose) {
+        let case = conditions.case;
+        for (condition, (contact, sites)) in conditions.sites.iter().enumerate() {
+            let datum = &case.data[*contact];
+            let left = || self.left[condition].iter().map(|number| &sites[*number as usize]);
+            if let Some((axis, error)) = datum.reading.sensed {
+                let axis = pose.rotation * axis;
+                let nearest = left().map(|site| site.nearest_normal(axis));
+                let nearest = nearest.max_by(|a, b| a.dot(axis).total_cmp(&b.dot(axis)));
+                let away = nearest.filter(|nearest| angle(*nearest, axis) > error + conditions.angle);
+                let direction = away.and_then(|nearest| (axis - axis.dot(nearest) * nearest).try_normalize());
+                if let Some(direction) = direction {
+                    self.cuts.push(Cut { condition, direction, of_normal: true });
+                    continue;
+                }
+            }
+            let caps = datum.reading.caps(conditions.angle, |axis| pose.rotation * axis);
+            let place = pose.place(datum.lever);
+            let nearest = left().filter_map(|site| site.nearest(place, &caps));
+            let nearest =
+                nearest.min_by(|a, b| a.distance_squared(place).total_cmp(&b.distance_squared(place)));
+            let away = nearest.map(|nearest| place - nearest).filter(|away| away.length() > datum.bound);
+            if let Some(direction) = away.and_then(DVec3::try_normalize) {
+                self.cuts.push(Cut { condition, direction, of_normal: false });
+            }
+        }
+        let surplus = self.cuts.len().saturating_sub(MOST_CUTS);
+        self.cuts.drain(..surplus);
+    }
+
+    /// The prior's: of its translation, as far as it is linear; rotations are left to `allowed`.
+    fn prior_rows(&self, conditions: &Conditions<'_>, at_middle: bool, rows: &mut Vec<Row<WIDTH>>) {
+        let case = conditions.case;
+        let Some(prior) = case.prior else { return };
+        let turn = self.rotation();
+        let jacobian = left_jacobian(self.v).transpose();
+        let mut both = |axis: DVec3, most: f64| {
+            if !most.is_finite() {
+                return;
+            }
+            // axis·T = axis·pivot − (S axis)·y
+            let turned = turn * axis;
+            let about = jacobian * turned.cross(self.y);
+            let loose = if at_middle {
+                0.0
+            } else {
+                chord(self.radius()) * self.y_half.length()
+                    + self.looseness() * (self.y.length() + self.y_half.length())
+            };
+            let from = axis.dot(case.pivot - prior.world_from_model.translation) - turned.dot(self.y);
+            let most = most + conditions.slack + case.outward() + loose;
+            let share = most.max(1e-3 * case.model.size);
+            rows.push(row(-about, -turned, share, most - from));
+            rows.push(row(about, turned, share, most + from));
+        };
+        match prior.lying {
+            None => DVec3::AXES.into_iter().for_each(|axis| both(axis, prior.translation)),
+            Some(lying) => {
+                both(lying.normal, lying.height);
+                let (a, b) = (
+                    lying.normal.any_orthonormal_vector(),
+                    lying.normal.cross(lying.normal.any_orthonormal_vector()),
+                );
+                both(a, prior.translation);
+                both(b, prior.translation);
+            }
+        }
+    }
+
+    fn half_widths(&self, share: f64) -> [f64; WIDTH] {
+        let (v, y) = (self.v_half, self.y_half);
+        [v.x, v.y, v.z, y.x, y.y, y.z, share]
+    }
+
+    /// The pose in which the worst bound is left the most of, to first order; `None`: there is certainly no valid pose.
+    pub fn candidate(&self, rows: &[Row<WIDTH>]) -> Option<PivotPose> {
+        let mut objective = [0.0; WIDTH];
+        objective[WIDTH - 1] = 1.0;
+        let optimum = lp::maximize(&objective, rows, &self.half_widths(MOST_SHARE));
+        (optimum.bound >= 0.0).then(|| self.at(optimum.point))
+    }
+
+    fn at(&self, point: [f64; WIDTH]) -> PivotPose {
+        let d = DVec3::new(point[0], point[1], point[2]);
+        let y = DVec3::new(point[3], point[4], point[5]);
+        PivotPose { rotation: rotation(self.v + d) * self.base, y: self.y + y }
+    }
+
+    /// No valid pose of the cell has more of `about·d + direction·(y − y₀)`.
+    pub fn most(&self, rows: &[Row<WIDTH>], about: DVec3, direction: DVec3) -> f64 {
+        let objective = row(about, direction, 0.0, 0.0).normal;
+        lp::maximize(&objective, rows, &self.half_widths(0.0)).bound
+    }
+
+    /// Shrinks the box to what the rows leave; `false` if that is nothing.
+    pub fn contract(&mut self, rows: &[Row<WIDTH>]) -> bool {
+        let (mut v, mut v_half) = (self.v, self.v_half);
+        let (mut y, mut y_half) = (self.y, self.y_half);
+        for (k, axis) in DVec3::AXES.into_iter().enumerate() {
+            let turns = [axis, -axis].map(|axis| self.most(rows, axis, DVec3::ZERO));
+            let shifts = [axis, -axis].map(|axis| self.most(rows, DVec3::ZERO, axis));
+            for ([high, low], middle, half) in
+                [(turns, &mut v[k], &mut v_half[k]), (shifts, &mut y[k], &mut y_half[k])]
+            {
+                let (high, low) = (high.min(*half), (-low).max(-*half));
+                if low > high {
+                    return false;
+                }
+                // Rounded outward, so that the new box holds all that is left.
+                *middle += 0.5 * (high + low);
+                *half = 0.5 * (high - low) + 4.0 * f64::EPSILON * (middle.abs() + *half);
+            }
+        }
+        (self.v, self.v_half, self.y, self.y_half) = (v, v_half, y, y_half);
+        true
+    }
+
+    /// Whether linear conditions are of use.
+    pub fn is_narrow(&self) -> bool {
+        self.radius() <= WIDEST
+    }
+
+    /// The same, made narrow around a pose of it, for a step towards a witness.
+    pub fn around(&self, pose: PivotPose, v: DVec3) -> Self {
+        Self { v, y: pose.y, ..self.clone() }
+    }
+
+    /// The same cell with more around it, and such sites.
+    pub fn widened(&self, length: f64, turn: f64, left: Vec<Vec<u32>>) -> Self {
+        Self { v_half: self.v_half + turn, y_half: self.y_half + length, left, ..self.clone() }
+    }
+
+    /// In another chart, a cell that holds it; `None` if its rotations are too far from there.
+    ///
+    /// Rotations within Φ of `exp(v)` have vectors within `Φ (θ/2)/sin(θ/2)` of `v`, where no vector on the way is longer
+    /// than θ: that is the norm of the inverse of the Jacobian.
+    pub fn rebased(&self, base: DMat3) -> Option<Self> {
+        let radius = self.radius();
+        let v = Self { base, ..self.clone() }.coordinates(self.rotation());
+        let longest = 0.5 * (v.length() + 2.0 * radius);
+        let stretch = longest / longest.sin().max(f64::MIN_POSITIVE);
+        (longest < 0.8 && stretch * radius <= 2.0 * radius).then(|| Self {
+            base,
+            v,
+            v_half: DVec3::splat(stretch * radius + 1e-12),
+            ..self.clone()
+        })
+    }
+
+    /// Leaves of each condition the site that the pose is nearest to.
+    pub fn keep_nearest(&mut self, conditions: &Conditions<'_>, pose: PivotPose) {
+        let case = conditions.case;
+        for ((contact, sites), left) in conditions.sites.iter().zip(&mut self.left) {
+            let excess = |number: &u32| {
+                let one = std::slice::from_ref(&sites[*number as usize]);
+                case.excess(*contact, one, pose, case.angle_tolerance)
+            };
+            if let Some(nearest) = left.iter().copied().min_by(|a, b| excess(a).total_cmp(&excess(b))) {
+                *left = vec![nearest];
+            }
+        }
+    }
+
+    /// The chart coordinates of a rotation.
+    pub fn coordinates(&self, turn: DMat3) -> DVec3 {
+        let relative = glam::DQuat::from_mat3(&(turn * self.base.transpose()));
+        relative.to_scaled_axis()
+    }
+
+    /// Whether a pose is in the cell, within a length and an angle.
+    pub fn holds(&self, pose: PivotPose, length: f64, turn: f64) -> bool {
+        let v = self.coordinates(pose.rotation);
+        (v - self.v).abs().cmple(self.v_half + turn + 1e-9).all()
+            && (pose.y - self.y).abs().cmple(self.y_half + length).all()
+    }
+
+    /// `(exp(v) along)·(offset − dy)` about the middle, less its value there: what is linear in `d`, beside `−along·dy`,
+    /// and a bound of the rest.
+    pub fn turned(&self, along: DVec3, offset: DVec3) -> (DVec3, f64) {
+        let about = left_jacobian(self.v).transpose() * along.cross(offset);
+        let shift = self.y_half.length();
+        let loose = self.looseness() * (offset.length() + shift) + chord(self.radius()) * shift;
+        (about, loose)
+    }
+
+    /// Whether two cells of any charts may share a pose, after `motion` of the model moves the first, within the
+    /// tolerances.
+    pub fn meets(&self, other: &Self, motion: Pose, length: f64, turn: f64) -> bool {
+        if motion == Pose::IDENTITY {
+            return (self.y - other.y).abs().cmple(self.y_half + other.y_half + length).all()
+                && self.apart(other, self.rotation()) <= turn;
+        }
+        motion.apply(self.y).distance(other.y) <= self.y_half.length() + other.y_half.length() + length
+            && self.apart(other, motion.rotation * self.rotation()) <= turn
+    }
+
+    /// By what angle the rotations of two cells are apart, if the middle of the first is `turn`.
+    fn apart(&self, other: &Self, turn: DMat3) -> f64 {
+        super::pose::angle(turn * other.rotation().transpose()) - self.radius() - other.radius()
+    }
+}
+
+/// Conditions about the middle of a cell.
+struct Linear<'a> {
+    cell: &'a Cell,
+    conditions: &'a Conditions<'a>,
+    turn: DMat3,
+    /// The transpose of J.
+    jacobian: DMat3,
+    radius: f64,
+    loose: f64,
+}
+
+impl<'a> Linear<'a> {
+    fn new(cell: &'a Cell, conditions: &'a Conditions<'a>, at_middle: bool) -> Self {
+        let radius = if at_middle { 0.0 } else { cell.radius() };
+        let loose = if at_middle { 0.0 } else { cell.looseness() };
+        let jacobian = left_jacobian(cell.v).transpose();
+        Self { cell, conditions, turn: cell.rotation(), jacobian, radius, loose }
+    }
+
+    /// No place of the condition's contact is beyond its sites by more than its bound, along `direction`.
+    fn of_place(&self, condition: usize, direction: DVec3) -> Option<Row<WIDTH>> {
+        let case = self.conditions.case;
+        let datum = &case.data[self.conditions.sites[condition].0];
+        let caps = datum.reading.caps(self.conditions.angle + self.radius, |axis| self.turn * axis);
+        let supports =
+            self.cell.left_of(self.conditions, condition).map(|site| site.support(direction, &caps));
+        let farthest = supports.fold(f64::NEG_INFINITY, f64::max);
+        let lever = self.turn * datum.lever;
+        let bound =
+            datum.bound + self.conditions.slack + case.outward() + self.loose * lever.length() + farthest
+                - direction.dot(self.cell.y + lever);
+        let share = datum.bound.max(LEAST_SHARE * case.model.size);
+        let about = self.jacobian * lever.cross(direction);
+        (farthest > f64::NEG_INFINITY).then(|| row(about, direction, share, bound))
+    }
+
+    /// No reading of the condition's normal is beyond its sites' by more than its bound, towards `direction`.
+    fn of_normal(&self, condition: usize, direction: DVec3) -> Option<Row<WIDTH>> {
+        let case = self.conditions.case;
+        let (axis, error) = case.data[self.conditions.sites[condition].0].reading.sensed?;
+        let axis = self.turn * axis;
+        let sites = self.cell.left_of(self.conditions, condition);
+        let nearest = sites.map(|site| site.normal_distance(direction)).fold(f64::INFINITY, f64::min);
+        let within = (nearest - error - self.conditions.angle - 1e-12).max(0.0).cos();
+        let bound = within + 1e-12 + self.loose - direction.dot(axis);
+        let about = self.jacobian * axis.cross(direction);
+        (within < 1.0).then(|| row(about, DVec3::ZERO, error.max(LEAST_SHARE), bound))
+    }
+}
+
+fn row(about: DVec3, direction: DVec3, share: f64, bound: f64) -> Row<WIDTH> {
+    let normal = [about.x, about.y, about.z, direction.x, direction.y, direction.z, share];
+    Row { normal, bound }
+}
+
+/// How far a unit lever moves when turned.
+fn chord(angle: f64) -> f64 {
+    2.0 * (0.5 * angle.min(std::f64::consts::PI)).sin()
+}
+
+fn widest(half: DVec3) -> usize {
+    (0..3).max_by(|a, b| half[*a].total_cmp(&half[*b])).unwrap_or(0)
+}
+
+/// `J` with `exp(v + d) ≈ exp(J d) exp(v)`.
+fn left_jacobian(v: DVec3) -> DMat3 {
+    let square = v.length_squared();
+    let size = square.sqrt();
+    let (first, second) = if size < 1e-4 {
+        (0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0)
+    } else {
+        ((1.0 - size.cos()) / square, (size - size.sin()) / (square * size))
+    };
+    let cross = cross_matrix(v);
+    DMat3::IDENTITY + cross * first + cross * cross * second
+}
+
+fn cross_matrix(v: DVec3) -> DMat3 {
+    DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
+}

@@ -1,0 +1,251 @@
+//! Interpretations of one model joined into hypotheses: one pose, up to the model's symmetry, satisfies both (DESIGN §1).
+
+use std::ops::ControlFlow;
+use std::sync::Arc as Shared;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::case::{Case, Datum};
+use super::cell::{Cell, Conditions};
+use super::model::{Model, Symmetry};
+use super::pose_set::{Piece, PoseSet};
+use super::sensed::Sensed;
+use super::solve;
+use super::subdivide;
+use super::tables::{FeatureTables, Kinds};
+use crate::contact::{Evidence, GRAZING};
+use crate::feature::Feature;
+use crate::groups::Groups;
+use crate::recognize::{Explanations, Halt, Settings};
+use crate::tree::{self, Counters};
+
+/// Nodes of the interpretation tree after which pose cells are divided instead.
+const MOST_NODES: u64 = 2_000_000;
+
+/// Feasible assignments after which pose cells are divided instead.
+const MOST_FEASIBLE: usize = 256;
+
+/// Every hypothesis of one model (thesis chapter 2, in its own order).
+pub(crate) fn explain(
+    model: &Shared<Model>,
+    evidence: &Evidence<DVec3>,
+    settings: &Settings,
+    stop: &Halt,
+) -> Explanations<DVec3> {
+    let case = Shared::new(Case::new(model, evidence, settings.tolerance, stop));
+    let mut counters = Counters::default();
+    let nothing = Explanations { hypotheses: Vec::new(), counters, num_boxes: 0, complete: true };
+    if !case.data.iter().all(consistent) {
+        return nothing;
+    }
+    let kinds = Kinds {
+        faces: settings.faces,
+        edges: settings.edges(evidence),
+        vertices: settings.vertices(evidence),
+    };
+    let tables = model.feature_tables(kinds);
+    if tables.features().is_empty() {
+        return nothing;
+    }
+    let (hypotheses, num_boxes, complete) =
+        if let Some(assignments) = interpretation_tree(&case, tables, &mut counters) {
+            (pose_sets(&case, valid(&case, assignments)), 0, true)
+        } else {
+            let division = subdivide::subdivide(&case, tables);
+            (pose_sets(&case, division.pieces), division.examined, division.complete)
+        };
+    let complete = complete && !hypotheses.iter().any(PoseSet::undecided) && !case.stopped();
+    Explanations { hypotheses, counters, num_boxes, complete }
+}
+
+/// Whether a contact's normal and approach leave a normal.
+fn consistent(datum: &Datum) -> bool {
+    match (datum.reading.sensed, datum.reading.facing) {
+        (Some((normal, error)), Some((back, slack))) => {
+            let most = std::f64::consts::FRAC_PI_2 + error + slack + GRAZING;
+            super::site::angle(normal, back) <= most
+        }
+        _ => true,
+    }
+}
+
+/// The feasible assignments, or nothing if they are too many.
+fn interpretation_tree(
+    case: &Case,
+    tables: &FeatureTables,
+    counters: &mut Counters,
+) -> Option<Vec<Vec<Feature>>> {
+    let sensed: Vec<Sensed> = case.data.iter().map(|datum| sensed(case, datum)).collect();
+    let order = order(&sensed);
+    let in_order: Vec<Sensed> = order.iter().map(|&contact| sensed[contact]).collect();
+    let all = subdivide::candidates(case, tables);
+    let candidates = order.iter().map(|&contact| all[contact].clone()).collect();
+    let contacts = tables.contact_pairs(&in_order, candidates);
+    let mut feasible = Vec::new();
+    let mut keep = |assignment: &[usize]| {
+        if feasible.len() >= MOST_FEASIBLE {
+            return ControlFlow::Break(());
+        }
+        let mut of_contact = vec![Feature::Face(0); order.len()];
+        for (&contact, &number) in order.iter().zip(assignment) {
+            of_contact[contact] = tables.feature(number);
+        }
+        if canonical(case, &of_contact) {
+            feasible.push(of_contact);
+        }
+        ControlFlow::Continue(())
+    };
+    let outcome = tree::search(tables, &contacts, MOST_NODES, counters, &mut keep);
+    feasible.sort_unstable();
+    outcome.is_continue().then_some(feasible)
+}
+
+/// A contact's surface point and normal with their bounds, τ included. The surface point is the tip's centre less the
+/// radius along the normal; where the normal is known only within a cone, the chord of the cone adds to the bound.
+pub(super) fn sensed(case: &Case, datum: &Datum) -> Sensed {
+    let bound = datum.bound + case.length_tolerance;
+    let normal = datum.reading.sensed.map(|(axis, error)| (axis, error + case.angle_tolerance));
+    match normal {
+        Some((axis, error)) if error < 1.0 => Sensed {
+            point: datum.lever - datum.radius * axis,
+            bound: bound + 2.0 * datum.radius * (0.5 * error).sin(),
+            normal,
+        },
+        _ => Sensed { point: datum.lever, bound: bound + datum.radius, normal },
+    }
+}
+
+/// Contacts in the order in which they tell most: first the two whose normals are most across each other, or that are
+/// farthest apart, then those farthest from the ones before.
+fn order(sensed: &[Sensed]) -> Vec<usize> {
+    let across = |a: &Sensed, b: &Sensed| {
+        let turn = match (a.normal, b.normal) {
+            (Some((a, _)), Some((b, _))) => a.cross(b).length(),
+            _ => 0.0,
+        };
+        (turn, a.point.distance(b.point))
+    };
+    let (mut first, mut best) = (vec![0], (-1.0, -1.0));
+    for (k, a) in sensed.iter().enumerate() {
+        for (j, b) in sensed[..k].iter().enumerate() {
+            let value = across(a, b);
+            if value.0 > best.0 + 1e-9 || ((value.0 - best.0).abs() <= 1e-9 && value.1 > best.1) {
+                (first, best) = (vec![j, k], value);
+            }
+        }
+    }
+    while first.len() < sensed.len() {
+        let apart = |k: &usize| {
+            let nearest = first.iter().map(|j| sensed[*k].point.distance(sensed[*j].point));
+            nearest.fold(f64::INFINITY, f64::min)
+        };
+        let rest = (0..sensed.len()).filter(|k| !first.contains(k));
+        let Some(next) = rest.max_by(|a, b| apart(a).total_cmp(&apart(b)).then(b.cmp(a))) else { break };
+        first.push(next);
+    }
+    first
+}
+
+/// Of assignments that a symmetry takes into each other the first stands for all. With a prior each stands for
+/// itself, as the prior may allow one and not the other.
+fn canonical(case: &Case, assignment: &Vec<Feature>) -> bool {
+    case.prior.is_some()
+        || case.model.symmetries.iter().skip(1).all(|symmetry| *assignment <= symmetry.features(assignment))
+}
+
+/// Decides each assignment (MATH 2.1.2): a piece with a witness, if its pose set is not empty.
+fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
+    let decide = |assignment: Vec<Feature>| {
+        let features = assignment.into_iter().map(|feature| vec![feature]).collect();
+        let mut piece = Piece::new(case, features, None, Vec::new());
+        piece.witness = Some(solve::witness(&piece.conditions(case))?);
+        Some(piece)
+    };
+    if assignments.len() < 16 {
+        assignments.into_iter().filter_map(decide).collect()
+    } else {
+        assignments.into_par_iter().filter_map(decide).collect()
+    }
+}
+
+/// Pieces of each hypothesis, in the order of their first piece.
+fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
+    let boxes: Vec<Vec<Cell>> = pieces.par_iter().map(|piece| boxes(case, piece)).collect();
+    let mut groups = Groups::new(pieces.len());
+    // Where a pose of one explains the other: that costs little.
+    for exact in [false, true] {
+        for (k, one) in pieces.iter().enumerate() {
+            for symmetry in &case.model.symmetries {
+                let mut image = None;
+                for (j, other) in pieces[..k].iter().enumerate() {
+                    if groups.root(j) == groups.root(k) || !near(case, &boxes[k], &boxes[j], symmetry) {
+                        continue;
+                    }
+                    let image = image.get_or_insert_with(|| one.moved(case, symmetry));
+                    if image.meets(case, other, exact) {
+                        groups.unite(j, k);
+                    }
+                }
+            }
+        }
+    }
+    let groups = groups.collect(pieces.into_iter());
+    let set = |pieces: Vec<Piece>| {
+        // What has no witness is no more than an enclosure beside pieces that have one.
+        let any = pieces.iter().any(|piece| piece.witness.is_some());
+        any.then(|| PoseSet::new(Shared::clone(case), pieces, true))
+    };
+    groups.into_iter().filter_map(set).collect()
+}
+
+/// Cells around all poses of a piece.
+fn boxes(case: &Case, piece: &Piece) -> Vec<Cell> {
+    if !piece.bounds.is_empty() {
+        return piece.bounds.clone();
+    }
+    let conditions = piece.conditions(case);
+    solve::first_cells(&conditions)
+        .into_iter()
+        .filter_map(|cell| solve::contracted(&conditions, cell))
+        .collect()
+}
+
+/// Whether cells may have a pose in common, after a symmetry of the model.
+fn near(case: &Case, one: &[Cell], other: &[Cell], symmetry: &Symmetry) -> bool {
+    one.iter().any(|a| {
+        other.iter().any(|b| a.meets(b, symmetry.motion, case.length_tolerance, case.angle_tolerance))
+    })
+}
+
+/// Cells examined for a pose that satisfies two assignments; those that are not told apart by then are joined.
+const MOST_FOR_BOTH: u32 = 200;
+
+impl Piece {
+    /// Whether a pose satisfies both; unless `exact`, only if a witness does.
+    fn meets(&self, case: &Case, other: &Self, exact: bool) -> bool {
+        let holds =
+            |piece: &Self, pose| piece.satisfied(case, pose, case.length_tolerance, case.angle_tolerance);
+        if !exact {
+            return self.witness.is_some_and(|witness| holds(other, witness.pose))
+                || other.witness.is_some_and(|witness| holds(self, witness.pose));
+        }
+        if !self.bounds.is_empty() && !other.bounds.is_empty() {
+            // Boxes that touch and share features: they are parts of one set.
+            let share =
+                |(a, b): (&Vec<Feature>, &Vec<Feature>)| a.iter().any(|one| b.binary_search(one).is_ok());
+            return self.features.iter().zip(&other.features).all(share);
+        }
+        // Features that differ are both to be touched.
+        let mut both: Vec<(usize, &[Feature])> = Vec::new();
+        for (contact, (a, b)) in self.features.iter().zip(&other.features).enumerate() {
+            both.push((contact, a.as_slice()));
+            if a != b {
+                both.push((contact, b.as_slice()));
+            }
+        }
+        let cells = [&self.bounds, &other.bounds].into_iter().find(|bounds| !bounds.is_empty());
+        Conditions::new(case, both.into_iter())
+            .is_some_and(|both| solve::may_hold(&both, cells.map(Vec::as_slice), MOST_FOR_BOTH))
+    }
+}

@@ -1,0 +1,53 @@
+//! Everything that knows SE(3).
+
+mod angle_index;
+mod bvh;
+mod case;
+mod cell;
+mod cones;
+mod distance;
+mod edges;
+mod facets;
+mod free;
+mod gap;
+mod hypotheses;
+mod lp;
+mod mesh;
+mod model;
+mod orient;
+mod outlines;
+mod pieces;
+mod pose;
+mod pose_set;
+mod prior;
+mod quantized;
+#[cfg(test)]
+mod query_tests;
+mod regions;
+mod roundness;
+mod scale;
+mod segments;
+mod sensed;
+#[cfg(test)]
+mod shapes;
+mod site;
+mod solid;
+mod solve;
+mod sphere;
+mod spherical;
+mod subdivide;
+mod symmetry;
+mod table_bytes;
+mod tables;
+#[cfg(test)]
+mod tables_tests;
+#[cfg(test)]
+mod test_solids;
+
+pub use bvh::Nearest;
+pub use model::{Edge, Face, Model, Roundness, Symmetry, Vertex};
+pub use pose::Pose;
+pub use pose_set::PoseSet;
+pub use prior::{Lying, Prior};
+
+pub(crate) use hypotheses::explain;

@@ -1,0 +1,468 @@
+//! All poses of an answer in space: a guaranteed enclosure in cells, and witnesses inside.
+
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+use std::sync::{Arc as Shared, OnceLock};
+
+use glam::{DMat3, DVec3};
+
+use super::case::{Case, PivotPose};
+use super::cell::{Cell, Conditions};
+use super::model::{Model, Symmetry};
+use super::pose::{self, Pose};
+use super::site::Site;
+use super::solve::{self, Witness};
+use crate::dimension::Poses;
+use crate::feature::Feature;
+use crate::hypothesis::{Count, choices};
+
+/// Assignments are counted by deciding so many choices of features at most.
+const MOST_ATTEMPTS: usize = 2000;
+
+/// Directions in which the extent of a set is measured; no direction is further than `FARTHEST` from one, radians.
+const NUM_DIRECTIONS: usize = 60;
+const FARTHEST: f64 = 0.26;
+
+/// Above so many cells the extent is that of their boxes.
+const FEW_CELLS: usize = 12;
+
+/// Steps between two samples.
+const SAMPLE_STEPS: usize = 6;
+
+/// Poses in which each contact lies on one of a few features.
+#[derive(Debug, Clone)]
+pub(crate) struct Piece {
+    /// For each contact, in increasing order. One each: an interpretation.
+    pub features: Vec<Vec<Feature>>,
+    /// The sites of each contact's features.
+    pub sites: Vec<(usize, Vec<Site>)>,
+    pub witness: Option<Witness>,
+    /// If there are any, the piece is what lies in them.
+    pub bounds: Vec<Cell>,
+}
+
+impl Piece {
+    pub fn new(
+        case: &Case,
+        features: Vec<Vec<Feature>>,
+        witness: Option<Witness>,
+        bounds: Vec<Cell>,
+    ) -> Self {
+        let sites = features.iter().enumerate().map(|(contact, features)| {
+            (contact, features.iter().flat_map(|feature| case.sites(contact, *feature)).collect())
+        });
+        Self { sites: sites.collect(), features, witness, bounds }
+    }
+
+    /// The piece where a symmetry of the model moves it: the same placed parts.
+    pub(super) fn moved(&self, case: &Case, symmetry: &Symmetry) -> Self {
+        let image = |features: &Vec<Feature>| {
+            let mut image = symmetry.features(features);
+            image.sort_unstable();
+            image
+        };
+        let turn = symmetry.motion.rotation;
+        let moved = |witness: Witness| {
+            let PivotPose { rotation, y } = witness.pose;
+            Witness { pose: PivotPose { rotation: turn * rotation, y: symmetry.motion.apply(y) }, ..witness }
+        };
+        let features = self.features.iter().map(image).collect();
+        Self::new(case, features, self.witness.map(moved), self.bounds.clone())
+    }
+
+    /// Its conditions.
+    pub fn conditions<'a>(&self, case: &'a Case) -> Conditions<'a> {
+        Conditions { case, sites: self.sites.clone(), slack: 0.0, angle: case.angle_tolerance }
+    }
+
+    /// Whether the pose satisfies every contact on features of the piece, bounds enlarged by `length` and `angle`.
+    pub(super) fn satisfied(&self, case: &Case, pose: PivotPose, length: f64, angle: f64) -> bool {
+        let inside = || self.bounds.iter().any(|cell| cell.holds(pose, length, angle));
+        (self.bounds.is_empty() || inside())
+            && self.sites.iter().all(|(contact, sites)| case.excess(*contact, sites, pose, angle) <= length)
+            && case.allows(pose, length)
+    }
+}
+
+/// All poses of an interpretation or of a hypothesis in space (DESIGN §1), `world_from_model`.
+///
+/// Lengths in the model's unit, angles in radians.
+#[derive(Debug, Clone)]
+pub struct PoseSet {
+    case: Shared<Case>,
+    pieces: Shared<Vec<Piece>>,
+    symmetric: bool,
+    best: Shared<OnceLock<Pose>>,
+    /// In one chart where that can be, for each piece.
+    cells: Shared<OnceLock<Vec<Vec<Cell>>>>,
+}
+
+impl PoseSet {
+    /// `symmetric`: a pose counts as contained if a symmetry of the model takes it there.
+    pub(crate) fn new(case: Shared<Case>, pieces: Vec<Piece>, symmetric: bool) -> Self {
+        let pieces = aligned(&case, pieces);
+        Self {
+            case,
+            pieces: Shared::new(pieces),
+            symmetric,
+            best: Shared::default(),
+            cells: Shared::default(),
+        }
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Shared<Model> {
+        &self.case.model
+    }
+
+    fn witnesses(&self) -> impl Iterator<Item = Witness> + '_ {
+        self.pieces.iter().filter_map(|piece| piece.witness)
+    }
+
+    /// Whether `world_from_model` explains every contact, up to τ: the exact predicate. For a hypothesis, up to the
+    /// model's symmetry.
+    #[must_use]
+    pub fn contains(&self, world_from_model: Pose) -> bool {
+        let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
+        let symmetries = &self.case.model.symmetries;
+        let num_tried = if self.symmetric { symmetries.len() } else { 1 };
+        symmetries[..num_tried].iter().any(|symmetry| {
+            let pose = self.case.pivot_pose(world_from_model.compose(symmetry.motion));
+            self.pieces.iter().any(|piece| piece.satisfied(&self.case, pose, length, angle))
+        })
+    }
+
+    /// A pose of the set: the proof that it is not empty.
+    ///
+    /// # Panics
+    /// Never: a pose set without a witness is not made.
+    #[must_use]
+    pub fn witness(&self) -> Pose {
+        let mut witnesses = self.witnesses();
+        let witness = witnesses.next().expect("a pose set has a witness");
+        let proven = std::iter::once(witness).chain(witnesses).find(|witness| !witness.marginal);
+        self.case.pose(proven.unwrap_or(witness).pose)
+    }
+
+    /// Whether the search met its limit in it, so that a witness may not be valid.
+    pub(crate) fn undecided(&self) -> bool {
+        self.witnesses().any(|witness| witness.undecided)
+    }
+
+    /// Whether every witness needs the tolerance τ.
+    #[must_use]
+    pub fn marginal(&self) -> bool {
+        self.witnesses().all(|witness| witness.marginal)
+    }
+
+    /// The pose, of those that a few steps from the witnesses reach, at which the worst reading uses the smallest
+    /// share of its bounds.
+    #[must_use]
+    pub fn largest_slack(&self) -> Pose {
+        *self.best.get_or_init(|| {
+            let (mut best, mut least) = (self.witness(), f64::INFINITY);
+            for piece in self.pieces.iter() {
+                let Some(witness) = piece.witness else { continue };
+                let conditions = piece.conditions(&self.case);
+                for pose in solve::centred(&conditions, witness.pose) {
+                    let used = conditions.used(pose);
+                    if used < least && self.contains(self.case.pose(pose)) {
+                        (best, least) = (self.case.pose(pose), used);
+                    }
+                }
+            }
+            best
+        })
+    }
+
+    /// `count` poses of the set, spread over it, the same for the same seed; each is valid. The walk goes from pose to pose
+    /// along random directions, as far as the set reaches, and begins at the witnesses.
+    #[must_use]
+    pub fn sample(&self, count: usize, seed: u64) -> Vec<Pose> {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let (length, angle) = (self.case.length_tolerance, self.case.angle_tolerance);
+        let started: Vec<(usize, PivotPose)> = self
+            .pieces
+            .iter()
+            .enumerate()
+            .filter_map(|(number, piece)| Some((number, piece.witness?.pose)))
+            .collect();
+        let mut walks = started.clone();
+        let extents: Vec<(f64, f64)> = started.iter().map(|(number, _)| self.extent(*number)).collect();
+        (0..count)
+            .map(|k| {
+                let at = if walks.len() <= count { k % walks.len() } else { rng.usize(..walks.len()) };
+                let (number, mut pose) = walks[at];
+                for _ in 0..SAMPLE_STEPS {
+                    let turn = direction(&mut rng) * extents[at].0 * rng.f64();
+                    let shift = direction(&mut rng) * extents[at].1 * rng.f64();
+                    let (mut low, mut high) = (-1.0, 1.0);
+                    for _ in 0..24 {
+                        let t = low + (high - low) * rng.f64();
+                        let next = PivotPose {
+                            rotation: pose::rotation(t * turn) * pose.rotation,
+                            y: pose.y + t * shift,
+                        };
+                        if self.pieces[number].satisfied(&self.case, next, length, angle) {
+                            pose = next;
+                            break;
+                        }
+                        if t < 0.0 { low = t } else { high = t }
+                    }
+                }
+                // What is summed over many turns is a rotation only up to rounding.
+                pose.rotation = DMat3::from_quat(glam::DQuat::from_mat3(&pose.rotation).normalize());
+                walks[at].1 = pose;
+                self.case.pose(pose)
+            })
+            .collect()
+    }
+
+    /// How far a piece may reach: in angle and in length.
+    fn extent(&self, number: usize) -> (f64, f64) {
+        let cells = &self.cells()[number];
+        let turn = cells.iter().flat_map(|a| cells.iter().take(64).map(move |b| farthest(a, b)));
+        let low = cells.iter().fold(DVec3::INFINITY, |low, cell| low.min(cell.y - cell.y_half));
+        let high = cells.iter().fold(DVec3::NEG_INFINITY, |high, cell| high.max(cell.y + cell.y_half));
+        let size = self.case.model.size;
+        (turn.fold(1e-9, f64::max).min(PI), (high - low).length().clamp(1e-9 * size, 4.0 * self.case.scale))
+    }
+
+    /// Cells that hold every pose, up to τ, for each piece: made when first asked for.
+    fn cells(&self) -> &[Vec<Cell>] {
+        self.cells.get_or_init(|| {
+            let base = self.witnesses().next().map(|witness| witness.pose.rotation);
+            let enclose = |piece: &Piece| {
+                let conditions = piece.conditions(&self.case).relaxed();
+                solve::cells(&conditions, base, &piece.bounds)
+            };
+            self.pieces.iter().map(enclose).collect()
+        })
+    }
+
+    /// No two poses of the set differ by more, radians, at most π.
+    #[must_use]
+    pub fn rotation_bound(&self) -> f64 {
+        let cells: Vec<&Cell> = self.cells().iter().flatten().collect();
+        let mut largest = 0.0_f64;
+        for (k, a) in cells.iter().enumerate() {
+            for b in &cells[..=k] {
+                largest = largest.max(farthest(a, b));
+            }
+        }
+        if let Some(base) = self.common_chart() {
+            let extents = directions().map(|axis| {
+                self.width(|cell, rows| {
+                    // Axis and angle shorten no way: the rotations differ by no more than their vectors.
+                    (
+                        axis.dot(cell.v - base),
+                        cell.most(rows, axis, DVec3::ZERO),
+                        cell.most(rows, -axis, DVec3::ZERO),
+                    )
+                })
+            });
+            largest = largest.min(extents.fold(0.0, f64::max) / FARTHEST.cos());
+        }
+        largest.min(PI)
+    }
+
+    /// No two poses of the set move the model point further apart.
+    #[must_use]
+    pub fn excursion(&self, point_model: DVec3) -> f64 {
+        let Some(base) = self.cells().iter().flatten().next().map(Cell::rotation) else { return 0.0 };
+        let widest = directions().map(|axis| {
+            self.width(|cell, rows| {
+                // The point is placed at Sᵀ(m − y) from the pivot; in the frame of the first cell, along the axis:
+                // (S S₀ᵀ axis)·(m − y), bilinear in the turn and the shift.
+                let along = cell.rotation() * base.transpose() * axis;
+                let offset = point_model - cell.y;
+                let (about, loose) = cell.turned(along, offset);
+                let high = cell.most(rows, about, -along) + loose;
+                let low = cell.most(rows, -about, along) + loose;
+                (along.dot(offset), high, low)
+            })
+        });
+        let bound = widest.fold(0.0, f64::max) / FARTHEST.cos();
+        // No two places are further apart than the whole.
+        bound.max(0.0) + 4.0 * self.case.outward()
+    }
+
+    /// The base of the chart in which all cells are, and so few that each can be asked for its extent.
+    fn common_chart(&self) -> Option<DVec3> {
+        let mut cells = self.cells().iter().flatten();
+        let first = cells.next()?;
+        let few = self.cells().iter().map(Vec::len).sum::<usize>() <= FEW_CELLS;
+        (few && cells.all(|cell| cell.base == first.base)).then_some(first.v)
+    }
+
+    /// The extent of all cells in a direction: `measure` gives the middle of a cell, and how far it reaches either way.
+    fn width(
+        &self,
+        measure: impl Fn(&Cell, &[super::lp::Row<{ super::cell::WIDTH }>]) -> (f64, f64, f64),
+    ) -> f64 {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (piece, cells) in self.pieces.iter().zip(self.cells()) {
+            let conditions = piece.conditions(&self.case).relaxed();
+            for cell in cells {
+                let rows = if cell.is_narrow() && cells.len() <= FEW_CELLS {
+                    cell.rows(&conditions, false)
+                } else {
+                    Vec::new()
+                };
+                let (middle, up, down) = measure(cell, &rows);
+                if up > f64::NEG_INFINITY && down > f64::NEG_INFINITY {
+                    low = low.min(middle - down);
+                    high = high.max(middle + up);
+                }
+            }
+        }
+        (high - low).max(0.0)
+    }
+
+    /// The poses of one of its assignments, alone.
+    pub(crate) fn of_assignment(&self, assignment: &[Feature]) -> Self {
+        let single = |piece: &&Piece| {
+            piece.features.iter().zip(assignment).all(|(features, feature)| features.as_slice() == [*feature])
+        };
+        let piece = self.pieces.iter().find(single).cloned().unwrap_or_else(|| {
+            let features = assignment.iter().map(|feature| vec![*feature]).collect();
+            let mut piece = Piece::new(&self.case, features, None, Vec::new());
+            piece.witness = self.decide(&piece);
+            piece
+        });
+        Self::new(Shared::clone(&self.case), vec![piece], false)
+    }
+
+    /// A pose of an assignment in the set.
+    fn decide(&self, piece: &Piece) -> Option<Witness> {
+        let conditions = piece.conditions(&self.case);
+        let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
+        let known = self.witnesses().find(|witness| piece.satisfied(&self.case, witness.pose, length, angle));
+        known.map(|witness| Witness { marginal: true, ..witness }).or_else(|| solve::witness(&conditions))
+    }
+
+    /// Its assignments one by one, each once, found as they are asked for; one of each that the model's symmetries repeat.
+    fn attempts(&self) -> impl Iterator<Item = Option<Vec<Feature>>> + Send + use<> {
+        let set = self.clone();
+        let mut listed = BTreeSet::new();
+        let all = (0..self.pieces.len()).flat_map({
+            let set = self.clone();
+            move |number| choices(set.pieces[number].features.clone()).map(move |choice| (number, choice))
+        });
+        all.map(move |(number, choice)| {
+            let piece = &set.pieces[number];
+            let single = piece.features.iter().all(|features| features.len() == 1);
+            let first = if set.case.prior.is_some() {
+                choice.clone()
+            } else {
+                set.case.model.representative(choice.clone())
+            };
+            if listed.contains(&first) {
+                return None;
+            }
+            let valid = single || {
+                let features = choice.iter().map(|feature| vec![*feature]).collect();
+                let one = Piece::new(&set.case, features, None, Vec::new());
+                solve::witness_within(&one.conditions(&set.case), &piece.bounds).is_some()
+            };
+            valid.then(|| {
+                listed.insert(first.clone());
+                first
+            })
+        })
+    }
+}
+
+impl Poses<DVec3> for PoseSet {
+    fn marginal(&self) -> bool {
+        self.marginal()
+    }
+
+    fn largest_slack(&self) -> Pose {
+        self.largest_slack()
+    }
+
+    fn assignment_count(&self) -> Count {
+        if self.pieces.iter().all(|piece| piece.features.iter().all(|features| features.len() == 1)) {
+            return Count { at_least: self.attempts().flatten().count() as u64, exact: true };
+        }
+        let (mut counted, mut num_attempts) = (0, 0);
+        for attempt in self.attempts().take(MOST_ATTEMPTS) {
+            num_attempts += 1;
+            counted += u64::from(attempt.is_some());
+        }
+        Count { at_least: counted, exact: num_attempts < MOST_ATTEMPTS }
+    }
+
+    fn assignments(&self) -> Box<dyn Iterator<Item = Vec<Feature>> + Send> {
+        Box::new(self.attempts().flatten())
+    }
+
+    fn of_assignment(&self, assignment: &[Feature]) -> Self {
+        self.of_assignment(assignment)
+    }
+}
+
+/// Pieces that meet through a symmetry, moved to where they meet: each to the image whose rotation is nearest to the
+/// first one's. With a prior they stay, as it may exclude their images.
+fn aligned(case: &Case, pieces: Vec<Piece>) -> Vec<Piece> {
+    let first = pieces.first().and_then(|piece| piece.witness).map(|witness| witness.pose.rotation);
+    let Some(first) = first.filter(|_| case.prior.is_none() && pieces.len() > 1) else { return pieces };
+    let align = |piece: Piece| {
+        let (Some(witness), true) = (piece.witness, piece.bounds.is_empty()) else { return piece };
+        let away = |symmetry: &&Symmetry| {
+            pose::angle(symmetry.motion.rotation * witness.pose.rotation * first.transpose())
+        };
+        let nearest = case.model.symmetries.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        match nearest.filter(|symmetry| symmetry.motion != Pose::IDENTITY) {
+            Some(symmetry) => piece.moved(case, symmetry),
+            None => piece,
+        }
+    };
+    pieces.into_iter().map(align).collect()
+}
+
+/// The farthest apart that rotations of two cells may be, radians.
+fn farthest(a: &Cell, b: &Cell) -> f64 {
+    let apart = pose::angle(a.rotation() * b.rotation().transpose()) + a.radius() + b.radius();
+    if a.base == b.base {
+        return apart.min(((a.v - b.v).abs() + a.v_half + b.v_half).length());
+    }
+    apart
+}
+
+/// Unit directions on half of the sphere, evenly.
+fn directions() -> impl Iterator<Item = DVec3> {
+    const GOLDEN: f64 = 2.399_963_229_728_653;
+    (0..NUM_DIRECTIONS).map(|k| {
+        let z = (k as f64 + 0.5) / NUM_DIRECTIONS as f64;
+        let (sine, cosine) = (GOLDEN * k as f64).sin_cos();
+        let radius = (1.0 - z * z).sqrt();
+        DVec3::new(radius * cosine, radius * sine, z)
+    })
+}
+
+fn direction(rng: &mut fastrand::Rng) -> DVec3 {
+    loop {
+        let v = DVec3::new(rng.f64(), rng.f64(), rng.f64()) * 2.0 - 1.0;
+        if (1e-6..=1.0).contains(&v.length_squared()) {
+            return v / v.length();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FARTHEST, direction, directions};
+
+    #[test]
+    fn every_direction_is_near_one_that_is_measured() {
+        let mut rng = fastrand::Rng::with_seed(1);
+        for _ in 0..20_000 {
+            let v = direction(&mut rng);
+            let nearest = directions().map(|d| d.dot(v).abs()).fold(0.0, f64::max);
+            assert!(nearest > FARTHEST.cos());
+        }
+    }
+}

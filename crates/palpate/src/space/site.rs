@@ -1,0 +1,341 @@
+//! Where the centre of a tip may be when it rests on a feature, in the model's frame.
+//!
+//! A site is convex up to the roundness of its normals: a convex piece of a face, moved out by the radius; a part of
+//! the cylinder around an edge; a part of the ball around a vertex (MATH 2.1, 2.3.4).
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use arrayvec::ArrayVec;
+use glam::{DVec2, DVec3, dvec2};
+
+use super::model::Model;
+use super::sphere::{self, Cap};
+use crate::feature::Feature;
+use crate::part::Surface;
+
+/// A place for the centre of a tip of one radius.
+#[derive(Debug, Clone)]
+pub(crate) struct Site {
+    pub feature: Feature,
+    radius: f64,
+    shape: Shape,
+    /// A ball around all of it.
+    pub middle: DVec3,
+    pub reach: f64,
+}
+
+#[derive(Debug, Clone)]
+enum Shape {
+    /// A convex piece of a face, already moved outward; `sides` are outward in its plane, each with its bound.
+    Piece { normal: DVec3, corners: Vec<DVec3>, sides: Vec<(DVec3, f64)> },
+    /// An edge with the arc of its normals: from `first`, `width` radians towards `across`.
+    Edge { start: DVec3, along: DVec3, length: f64, first: DVec3, across: DVec3, width: f64 },
+    /// A vertex with its cone of normals, as the halves of the sphere that make it up.
+    Vertex { point: DVec3, cone: Vec<Cap>, corners: Vec<DVec3> },
+}
+
+/// Angles, from the first normal of an edge.
+type Intervals = ArrayVec<(f64, f64), 4>;
+
+impl Site {
+    /// The sites of a feature: of a face, one for each convex piece. None if it can't be touched.
+    pub fn all(model: &Model, feature: Feature, radius: f64) -> Vec<Self> {
+        match feature {
+            Feature::Face(number) => {
+                let face = &model.faces[number as usize];
+                if face.surface != Surface::Touchable {
+                    return Vec::new();
+                }
+                let piece = |piece: &Vec<u32>| {
+                    let corner = |k: &u32| model.vertices[*k as usize].point + radius * face.normal;
+                    Self::piece(feature, radius, face.normal, piece.iter().map(corner).collect())
+                };
+                face.pieces.iter().map(piece).collect()
+            }
+            Feature::Edge(number) => {
+                let edge = &model.edges[number as usize];
+                let [start, end] = edge.ends.map(|k| model.vertices[k as usize].point);
+                edge.normals
+                    .and_then(|normals| Self::edge(feature, radius, [start, end], normals))
+                    .into_iter()
+                    .collect()
+            }
+            Feature::Vertex(number) => {
+                let vertex = &model.vertices[number as usize];
+                let of_cone = |corners: &Vec<DVec3>| Self::vertex(feature, radius, vertex.point, corners);
+                vertex.normals.as_ref().map(of_cone).into_iter().collect()
+            }
+        }
+    }
+
+    fn piece(feature: Feature, radius: f64, normal: DVec3, corners: Vec<DVec3>) -> Self {
+        let next = corners.iter().cycle().skip(1);
+        let sides = corners.iter().zip(next).filter_map(|(from, to)| {
+            let side = (*to - *from).cross(normal).try_normalize()?;
+            // The bound of the farthest corner: rounding leaves none of them outside.
+            let bound = corners.iter().map(|corner| side.dot(*corner)).fold(f64::NEG_INFINITY, f64::max);
+            Some((side, bound))
+        });
+        let sides = sides.collect();
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        let reach = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+        Self { feature, radius, shape: Shape::Piece { normal, corners, sides }, middle, reach }
+    }
+
+    fn edge(feature: Feature, radius: f64, [start, end]: [DVec3; 2], normals: [DVec3; 2]) -> Option<Self> {
+        let along = (end - start).try_normalize()?;
+        let [first, last] = normals;
+        // In the plane across the edge, though the normals may miss it by rounding.
+        let first = (first - along * first.dot(along)).try_normalize()?;
+        let across = last - along * last.dot(along) - first * last.dot(first);
+        let width = across.length().atan2(last.dot(first));
+        let across = across.try_normalize()?;
+        let length = start.distance(end);
+        let shape = Shape::Edge { start, along, length, first, across, width };
+        let (middle, reach) = (0.5 * (start + end), 0.5 * length + radius);
+        Some(Self { feature, radius, shape, middle, reach })
+    }
+
+    fn vertex(feature: Feature, radius: f64, point: DVec3, corners: &[DVec3]) -> Self {
+        let next = corners.iter().cycle().skip(1);
+        let halves = corners.iter().zip(next).filter_map(|(a, b)| a.cross(*b).try_normalize());
+        let cone = halves.map(|axis| Cap { axis, least: 0.0 }).collect();
+        let shape = Shape::Vertex { point, cone, corners: corners.to_vec() };
+        Self { feature, radius, shape, middle: point, reach: radius }
+    }
+
+    /// How far its hull may be from it, where its normals are known to be within `angle` of one.
+    pub fn hollow(&self, angle: f64) -> f64 {
+        match self.shape {
+            Shape::Piece { .. } => 0.0,
+            _ => self.radius * (1.0 - self.spread().min(angle).min(FRAC_PI_2).cos()),
+        }
+    }
+
+    /// A normal in the middle of its cone, unit.
+    pub fn mean_normal(&self) -> DVec3 {
+        match &self.shape {
+            Shape::Piece { normal, .. } => *normal,
+            Shape::Edge { first, across, width, .. } => {
+                let (sine, cosine) = (0.5 * width).sin_cos();
+                cosine * *first + sine * *across
+            }
+            Shape::Vertex { corners, .. } => {
+                corners.iter().sum::<DVec3>().try_normalize().unwrap_or(corners[0])
+            }
+        }
+    }
+
+    /// The angle from its mean normal to the farthest of its cone, radians.
+    pub fn spread(&self) -> f64 {
+        match &self.shape {
+            Shape::Piece { .. } => 0.0,
+            Shape::Edge { width, .. } => 0.5 * width,
+            Shape::Vertex { corners, .. } => {
+                let mean = self.mean_normal();
+                corners.iter().map(|corner| angle(mean, *corner)).fold(0.0, f64::max)
+            }
+        }
+    }
+
+    /// The angle from a unit direction to the nearest of its normals, radians.
+    pub fn normal_distance(&self, direction: DVec3) -> f64 {
+        angle(self.nearest_normal(direction), direction)
+    }
+
+    /// The greatest `direction · x` over its places whose normals are in all of `allowed`; `-∞` if there are none.
+    pub fn support(&self, direction: DVec3, allowed: &[Cap]) -> f64 {
+        match &self.shape {
+            Shape::Piece { corners, normal, .. } => {
+                if !allowed.iter().all(|cap| normal.dot(cap.axis) >= cap.least) {
+                    return f64::NEG_INFINITY;
+                }
+                corners.iter().map(|corner| direction.dot(*corner)).fold(f64::NEG_INFINITY, f64::max)
+            }
+            Shape::Edge { start, along, length, first, across, .. } => {
+                let intervals = self.intervals(allowed);
+                let at = in_plane(*first, *across, direction);
+                let toward = |interval: &(f64, f64)| {
+                    let nearest = clamp_angle(at.to_angle(), *interval);
+                    at.dot(DVec2::from_angle(nearest))
+                };
+                let farthest = intervals.iter().map(toward).fold(f64::NEG_INFINITY, f64::max);
+                direction.dot(*start)
+                    + (direction.dot(*along) * length).max(0.0)
+                    + if intervals.is_empty() { f64::NEG_INFINITY } else { self.radius * farthest }
+            }
+            Shape::Vertex { point, cone, .. } => {
+                let caps: Vec<Cap> = cone.iter().chain(allowed).copied().collect();
+                let farthest = sphere::greatest(direction, &caps);
+                direction.dot(*point)
+                    + if farthest == f64::NEG_INFINITY { farthest } else { self.radius * farthest }
+            }
+        }
+    }
+
+    /// The distance from a point to its places whose normals are in all of `allowed`; infinite if there are none.
+    pub fn distance(&self, point: DVec3, allowed: &[Cap]) -> f64 {
+        self.nearest(point, allowed).map_or(f64::INFINITY, |nearest| nearest.distance(point))
+    }
+
+    /// Of its places whose normals are in all of `allowed`, the one nearest to a point; `None` if there are none.
+    pub fn nearest(&self, point: DVec3, allowed: &[Cap]) -> Option<DVec3> {
+        match &self.shape {
+            Shape::Piece { normal, corners, .. } => {
+                let all = allowed.iter().all(|cap| normal.dot(cap.axis) >= cap.least);
+                all.then(|| nearest_in_polygon(point, *normal, corners))
+            }
+            Shape::Edge { start, along, length, first, across, .. } => {
+                let offset = point - *start;
+                let foot = *start + offset.dot(*along).clamp(0.0, *length) * *along;
+                let at = in_plane(*first, *across, offset);
+                let nearest = |interval: (f64, f64)| {
+                    let normal = DVec2::from_angle(clamp_angle(at.to_angle(), interval));
+                    foot + self.radius * (normal.x * *first + normal.y * *across)
+                };
+                let places = self.intervals(allowed).into_iter().map(nearest);
+                places.min_by(|a, b| a.distance_squared(point).total_cmp(&b.distance_squared(point)))
+            }
+            Shape::Vertex { point: corner, cone, .. } => {
+                let caps: Vec<Cap> = cone.iter().chain(allowed).copied().collect();
+                let direction = (point - *corner).try_normalize().unwrap_or_else(|| self.mean_normal());
+                sphere::nearest(direction, &caps).map(|normal| *corner + self.radius * normal)
+            }
+        }
+    }
+
+    /// Of its normals, the one nearest to a unit direction.
+    pub fn nearest_normal(&self, direction: DVec3) -> DVec3 {
+        match &self.shape {
+            Shape::Piece { normal, .. } => *normal,
+            Shape::Edge { first, across, width, .. } => {
+                let at = in_plane(*first, *across, direction);
+                let normal = DVec2::from_angle(clamp_angle(at.to_angle(), (0.0, *width)));
+                normal.x * *first + normal.y * *across
+            }
+            Shape::Vertex { cone, corners, .. } => sphere::nearest(direction, cone).unwrap_or_else(|| {
+                let toward = |corner: &&DVec3| corner.dot(direction);
+                *corners.iter().max_by(|a, b| toward(a).total_cmp(&toward(b))).unwrap_or(&corners[0])
+            }),
+        }
+    }
+
+    /// Directions in which its hull is bounded tightly.
+    pub fn directions(&self, out: &mut Vec<DVec3>) {
+        match &self.shape {
+            Shape::Piece { normal, sides, .. } => {
+                out.extend([*normal, -*normal]);
+                out.extend(sides.iter().map(|(side, _)| *side));
+            }
+            Shape::Edge { along, first, across, .. } => {
+                out.extend([*along, -*along]);
+                out.extend(around(self.mean_normal(), *first, *across));
+            }
+            Shape::Vertex { .. } => {
+                let mean = self.mean_normal();
+                let u = mean.any_orthonormal_vector();
+                out.extend([mean, -mean]);
+                out.extend((0..8).map(|k| {
+                    let (sine, cosine) = (f64::from(k) * TAU / 8.0).sin_cos();
+                    cosine * u + sine * mean.cross(u)
+                }));
+            }
+        }
+    }
+
+    /// The angles of an edge's arc that all of `allowed` allow.
+    fn intervals(&self, allowed: &[Cap]) -> Intervals {
+        let Shape::Edge { first, across, width, .. } = &self.shape else { return Intervals::new() };
+        let mut left: Intervals = std::iter::once((0.0, *width)).collect();
+        for cap in allowed {
+            let at = in_plane(*first, *across, cap.axis);
+            let size = at.length();
+            if cap.least <= -size {
+                continue;
+            }
+            if cap.least > size {
+                return Intervals::new();
+            }
+            let (middle, half) = (at.to_angle(), (cap.least / size).acos());
+            let mut cut = Intervals::new();
+            for (low, high) in left {
+                for turn in [-TAU, 0.0, TAU] {
+                    let part = (low.max(middle + turn - half), high.min(middle + turn + half));
+                    if part.0 <= part.1 && !cut.is_full() {
+                        cut.push(part);
+                    }
+                }
+            }
+            left = cut;
+        }
+        left
+    }
+}
+
+/// Eight directions around, in the plane of two orthogonal unit vectors, the first along `mean`.
+fn around(mean: DVec3, first: DVec3, across: DVec3) -> impl Iterator<Item = DVec3> {
+    let start = in_plane(first, across, mean).to_angle();
+    (0..8).map(move |k| {
+        let at = DVec2::from_angle(start + f64::from(k) * TAU / 8.0);
+        at.x * first + at.y * across
+    })
+}
+
+fn in_plane(first: DVec3, across: DVec3, vector: DVec3) -> DVec2 {
+    dvec2(vector.dot(first), vector.dot(across))
+}
+
+/// The angle of the interval that is nearest on the circle; the interval is at most a turn long.
+fn clamp_angle(angle: f64, (low, high): (f64, f64)) -> f64 {
+    let offset = (angle - low).rem_euclid(TAU);
+    let width = high - low;
+    if offset <= width {
+        low + offset
+    } else if offset - width < TAU - offset {
+        high
+    } else {
+        low
+    }
+}
+
+/// The angle between two vectors, radians.
+pub(crate) fn angle(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+/// The nearest point of a convex polygon with its corners counter-clockwise about `normal`.
+fn nearest_in_polygon(point: DVec3, normal: DVec3, corners: &[DVec3]) -> DVec3 {
+    let mut inside = true;
+    let (mut best, mut least_sq) = (corners[0], f64::INFINITY);
+    for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        let way = *to - *from;
+        let offset = point - *from;
+        if normal.dot(way.cross(offset)) < 0.0 {
+            inside = false;
+        }
+        let share = (offset.dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let at = *from + share * way;
+        if at.distance_squared(point) < least_sq {
+            (best, least_sq) = (at, at.distance_squared(point));
+        }
+    }
+    if inside { point - normal * normal.dot(point - corners[0]) } else { best }
+}
+
+/// What a contact's normals must be in, in some frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reading {
+    /// The sensed normal and its bound, at most a quarter turn.
+    pub sensed: Option<(DVec3, f64)>,
+    /// Against the direction of travel: normals are within a quarter turn of it, and a slack more.
+    pub facing: Option<(DVec3, f64)>,
+}
+
+impl Reading {
+    /// As caps, each wider by `slack` radians, turned by `turn`.
+    pub fn caps(&self, slack: f64, turn: impl Fn(DVec3) -> DVec3) -> ArrayVec<Cap, 2> {
+        let sensed = self.sensed.map(|(axis, error)| Cap::around(turn(axis), error + slack));
+        let facing = self.facing.map(|(axis, error)| Cap::around(turn(axis), FRAC_PI_2 + error + slack));
+        sensed.into_iter().chain(facing).collect()
+    }
+}

@@ -1,0 +1,143 @@
+//! Faces made of triangles: the way from what is given to what a model is made of.
+
+use glam::DVec3;
+
+use super::mesh::Mesh;
+use super::model::Face;
+use super::orient::{orient, twins};
+use super::outlines::{drop_straight, loops};
+use super::pieces::View;
+use super::regions::{Plane, Region, regions};
+use super::scale::Scale;
+use crate::Error;
+use crate::part::{Mend, Surface};
+
+/// Turns of planes below this need no slack, radians: far below what decides between poses.
+const NO_TURN: f64 = 1e-7;
+
+/// What a model is made of.
+pub(super) struct Solid {
+    /// The corners; all are used.
+    pub(super) points: Vec<DVec3>,
+    /// Their loops and pieces number the corners.
+    pub(super) faces: Vec<Face>,
+    /// The triangles of all faces but seams, and the face of each.
+    pub(super) triangles: Vec<([u32; 3], u32)>,
+    /// By how much it may differ from what was given: lengths, and normals in radians.
+    pub(super) slacks: (f64, f64),
+}
+
+/// A face to be.
+pub(super) struct Draft {
+    pub(super) plane: Plane,
+    pub(super) surface: Surface,
+    pub(super) loops: Vec<Vec<u32>>,
+    /// Triangles that may serve if its loops can't be cut.
+    pub(super) given: Vec<[u32; 3]>,
+}
+
+/// A solid bounded by triangles.
+pub(super) fn of_triangles(
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+    surfaces: Vec<Surface>,
+    mends: &mut Vec<Mend>,
+) -> Result<Solid, Error> {
+    let mut mesh = Mesh::new(vertices, triangles, surfaces, mends)?;
+    orient(&mut mesh, mends);
+    let twins = twins(&mesh);
+    let regions = regions(&mesh, &twins);
+    let loops = loops(&mesh, &twins, &regions);
+    let draft = |(region, loops): (&Region, Vec<Vec<u32>>)| Draft {
+        plane: region.plane,
+        surface: region.surface,
+        loops,
+        given: region.triangles.iter().map(|&t| mesh.triangles[t as usize]).collect(),
+    };
+    let drafts = regions.iter().zip(loops).map(draft).collect();
+    of_drafts(&mesh.points, drafts, mesh.scale, mesh.deviation)
+}
+
+/// A solid of faces over common points.
+pub(super) fn of_drafts(
+    points: &[DVec3],
+    drafts: Vec<Draft>,
+    scale: Scale,
+    deviation: f64,
+) -> Result<Solid, Error> {
+    let mut keep = vec![false; points.len()];
+    let mut rest = Vec::new();
+    let (loops, off, cuts) = loop {
+        let mut loops: Vec<Vec<Vec<u32>>> = drafts.iter().map(|draft| draft.loops.clone()).collect();
+        let off = drop_straight(points, &mut loops, &keep, scale.planar_tol);
+        let cuts: Vec<Option<Vec<[u32; 3]>>> = drafts
+            .iter()
+            .zip(&loops)
+            .map(|(draft, loops)| {
+                if loops.is_empty() {
+                    Some(Vec::new())
+                } else {
+                    View::new(points, draft.plane.normal).triangles(loops)
+                }
+            })
+            .collect();
+        // Where a face can't be cut its own triangles serve, and all of their corners stay.
+        let failed: Vec<usize> = (0..drafts.len()).filter(|&k| cuts[k].is_none()).collect();
+        if failed == rest {
+            break (loops, off, cuts);
+        }
+        for corner in failed.iter().flat_map(|&k| drafts[k].loops.iter().flatten()) {
+            keep[*corner as usize] = true;
+        }
+        rest = failed;
+    };
+    let mut number = vec![None; points.len()];
+    let mut corners = Vec::new();
+    let mut numbered = |outline: &[u32]| -> Vec<u32> {
+        let of_corner = outline.iter().map(|&k| {
+            *number[k as usize].get_or_insert_with(|| {
+                corners.push(points[k as usize]);
+                corners.len() as u32 - 1
+            })
+        });
+        of_corner.collect()
+    };
+    let (mut faces, mut triangles) = (Vec::new(), Vec::new());
+    let (mut worst, mut turn) = (deviation.max(off), 0.0_f64);
+    for ((draft, loops), cut) in drafts.into_iter().zip(loops).zip(cuts) {
+        if loops.is_empty() {
+            continue;
+        }
+        worst = worst.max(draft.plane.deviation);
+        turn = turn.max(draft.plane.turn);
+        let cut = cut.unwrap_or(draft.given);
+        if cut.is_empty() {
+            let problem = format!("the loops of face {} touch or cross", faces.len());
+            let remedy = "give disjoint loops, or the face as triangles";
+            return Err(Error::new("loops", problem, format!("{} loops", loops.len()), remedy));
+        }
+        let pieces = View::new(points, draft.plane.normal).pieces(&cut);
+        let face = Face {
+            normal: draft.plane.normal,
+            offset: draft.plane.offset,
+            loops: loops.iter().map(|outline| numbered(outline)).collect(),
+            pieces: pieces.iter().map(|piece| numbered(piece)).collect(),
+            surface: draft.surface,
+        };
+        if face.surface != Surface::Seam {
+            let of_face = cut.iter().map(|corners| {
+                let corners = numbered(corners);
+                ([corners[0], corners[1], corners[2]], faces.len() as u32)
+            });
+            triangles.extend(of_face);
+        }
+        faces.push(face);
+    }
+    if triangles.is_empty() {
+        let remedy = "give faces that are wider than 5e-7 of the size";
+        return Err(Error::new("triangles", "leave no face once cleaned", triangles.len(), remedy));
+    }
+    let slack = if worst > scale.merge_tol { worst } else { 0.0 };
+    let slacks = (slack, if turn > NO_TURN { turn } else { 0.0 });
+    Ok(Solid { points: corners, faces, triangles, slacks })
+}
