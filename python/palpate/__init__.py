@@ -39,6 +39,7 @@ from ._core import plan_report as plan_report
 from ._core import plan_tree as plan_tree
 from ._core import projection_space as projection_space
 from ._core import recognize as recognize
+from ._core import refuting_moves as refuting_moves
 from ._core import verification_path as verification_path
 from ._core import verification_report as verification_report
 from .contacts import Evidence as Evidence

@@ -44,6 +44,7 @@ __all__ = [
     "plan_tree",
     "projection_space",
     "recognize",
+    "refuting_moves",
     "verification_path",
     "verification_report",
 ]
@@ -863,6 +864,23 @@ def verification_report(
 
     Raises:
         ValueError: As for `verification_path`.
+    """
+
+def refuting_moves(
+    hypotheses: Sequence[Hypothesis],
+    moves: Sequence[tuple[ArrayLike, ArrayLike, float, Sensor, Contact | None]],
+) -> list[int | None]:
+    """Of each hypothesis the number of the first guarded move that it can't have answered so; None if there is none.
+
+    As `judge(...).outcome_of(contact)` of each move says, quickly.
+
+    Args:
+        hypotheses: As for `plan`.
+        moves: Each a start, shape `(2,)`, world frame, a direction of any length but zero, the length that the tip was to go at
+            most, the bounds of this reading as a sensor, and the contact that was met, or None.
+
+    Raises:
+        ValueError: No hypotheses, another shape, a zero direction, a number out of range.
     """
 
 @final

@@ -603,6 +603,19 @@ Args:
 Raises:
     ValueError: As for `verification_path`."#
     };
+    ("refuting_moves") => {
+        r"Of each hypothesis the number of the first guarded move that it can't have answered so; None if there is none.
+
+As `judge(...).outcome_of(contact)` of each move says, quickly.
+
+Args:
+    hypotheses: As for `plan`.
+    moves: Each a start, shape `(2,)`, world frame, a direction of any length but zero, the length that the tip was to go at
+        most, the bounds of this reading as a sensor, and the contact that was met, or None.
+
+Raises:
+    ValueError: No hypotheses, another shape, a zero direction, a number out of range."
+    };
     ("PlanReport") => {
         r"A planner's answer, and what it knows of the paths that it did not find."
     };

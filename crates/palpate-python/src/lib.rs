@@ -45,7 +45,9 @@ mod _core {
     #[pymodule_export]
     use crate::path::{PyOutcome, PyPath, PyTouch};
     #[pymodule_export]
-    use crate::plan::{PyPlanReport, judge, plan, plan_report, verification_path, verification_report};
+    use crate::plan::{
+        PyPlanReport, judge, plan, plan_report, refuting_moves, verification_path, verification_report,
+    };
     #[pymodule_export]
     use crate::projection::{PyOverlap, PyProjectionSpace, PySheaf, projection_space};
     #[pymodule_export]

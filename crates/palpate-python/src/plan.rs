@@ -1,11 +1,12 @@
 //! The next path.
 
 use palpate::plane::Line;
-use palpate::{Hypothesis, Plan, Verification, Why};
+use palpate::{Hypothesis, Move, Plan, Verification, Why};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{number, raise, refuse, vector};
+use crate::contact::PyContact;
+use crate::convert::{members, number, raise, refuse, vector};
 use crate::hypothesis::PyHypothesis;
 use crate::interrupt::interruptible;
 use crate::options::{JUDGED, Options, PLACED, REMEMBERED, SEARCHED, line};
@@ -166,6 +167,48 @@ fn verified(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) 
     let plan = Plan { path, bound: 1.0, proved: false, num_judged, num_boxes: 0, counters: None };
     let path = plan.path.clone().map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()?;
     Ok(PyPlanReport { plan, path, why })
+}
+
+#[doc = doc!("refuting_moves")]
+#[pyfunction]
+#[pyo3(signature = (hypotheses, moves))]
+pub(crate) fn refuting_moves(
+    py: Python<'_>,
+    hypotheses: &Any<'_>,
+    moves: &Any<'_>,
+) -> PyResult<Vec<Option<usize>>> {
+    let hypotheses = self::hypotheses(hypotheses)?;
+    let listed = members("moves", moves, "moves", MOVE)?;
+    let moves = listed
+        .iter()
+        .enumerate()
+        .map(|(k, one)| guarded(&format!("moves[{k}]"), one))
+        .collect::<PyResult<Vec<Move>>>()?;
+    py.detach(|| palpate::refuting_moves(&hypotheses, &moves)).map_err(raise)
+}
+
+const MOVE: &str = "give (start, direction, length, sensor, contact or None)";
+
+/// A guarded move, and what was met.
+fn guarded(argument: &str, value: &Any<'_>) -> PyResult<Move> {
+    let parts = members(argument, value, "a move", MOVE)?;
+    let [start, direction, length, with, met] = parts.as_slice() else {
+        return Err(refuse(argument, "must be a move and what it met", value, MOVE));
+    };
+    let met = if met.is_none() {
+        None
+    } else {
+        let Ok(contact) = met.cast::<PyContact>() else {
+            return Err(refuse(&format!("{argument}[4]"), "must be a Contact", met, MOVE));
+        };
+        let contact = contact.get().0;
+        Some((contact.center, contact.normal.map(|normal| normal.direction)))
+    };
+    let line = Line {
+        start: vector(&format!("{argument}[0]"), start)?,
+        direction: vector(&format!("{argument}[1]"), direction)?,
+    };
+    Ok(Move { line, length: number(&format!("{argument}[2]"), length)?, sensor: sensor(with)?, met })
 }
 
 #[pymethods]

@@ -2,8 +2,10 @@
 //!
 //! The only judge: whatever a planner proposes is compared by it.
 
+use glam::DVec2;
+
 use crate::Feature;
-use crate::plane::Arc;
+use crate::plane::{Arc, Line};
 use crate::sensor::Sensor;
 use crate::tree::Range;
 
@@ -83,6 +85,19 @@ pub struct Reading {
     pub aside: f64,
     /// Angle of the outward normal, world frame.
     pub normal: Option<f64>,
+}
+
+impl Reading {
+    /// A sensed centre and normal, in the world frame, as a line sees them.
+    ///
+    /// A centre that is off the line by no more than rounding is on it, whatever the errors.
+    #[must_use]
+    pub fn new(line: &Line, center: DVec2, normal: Option<DVec2>) -> Self {
+        let (depth, aside) = line.coordinates(center);
+        let rounding = 1e-12 * (center.length() + line.start.length());
+        let aside = if aside.abs() <= rounding { 0.0 } else { aside };
+        Self { depth, aside, normal: normal.map(DVec2::to_angle) }
+    }
 }
 
 /// The smallest angle between members of two arcs; zero where they meet.

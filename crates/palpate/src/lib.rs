@@ -21,6 +21,7 @@ pub mod plan;
 pub mod plane;
 pub mod projection;
 pub mod recognize;
+pub mod refute;
 pub mod sensor;
 pub mod space;
 pub mod tree;
@@ -43,5 +44,6 @@ pub use projection::{
     FaceOf, Overlap, Projection, ProjectionSpace, Sheaf, projection_space, projection_space_until,
 };
 pub use recognize::{Explanations, ModelReport, Recognition, Settings, recognize, recognize_until};
+pub use refute::{Move, refuting_moves};
 pub use sensor::Sensor;
 pub use why::Why;

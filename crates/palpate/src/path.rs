@@ -48,14 +48,9 @@ impl Path {
     }
 
     /// A sensed centre and normal as the path sees them.
-    ///
-    /// A centre that is off the line by no more than rounding is on it, whatever the errors.
     #[must_use]
     pub fn reading(&self, center: DVec2, normal: Option<DVec2>) -> Reading {
-        let (depth, aside) = self.line.coordinates(center);
-        let rounding = 1e-12 * (center.length() + self.line.start.length());
-        let aside = if aside.abs() <= rounding { 0.0 } else { aside };
-        Reading { depth, aside, normal: normal.map(DVec2::to_angle) }
+        Reading::new(&self.line, center, normal)
     }
 
     /// Hypotheses that it identifies, whichever reading they give.

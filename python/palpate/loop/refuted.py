@@ -7,15 +7,18 @@ have stopped there first; the judge of paths does.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
-from palpate._core import Contact, Hypothesis, Miss, Sensor, judge
+from palpate._core import Contact, Hypothesis, Miss, Sensor, refuting_moves
 from palpate.loop.result import Array
 from palpate.probe import Hit, Reply, Skid
 
 # Of a part's size, and radians; rounding and images of nearly symmetric parts are off by less.
 GRANTED = 1e-6
+
+_Move: TypeAlias = tuple[Array, Array, float, Sensor, Contact | None]
 
 
 def refuted(
@@ -28,28 +31,25 @@ def refuted(
         moves: Start, end and reply of each guarded move. What is no reading refutes nothing.
         sensor: The path error is its own; the other bounds are those of each reading.
     """
-    known: dict[int, int] = {}
-    granted = GRANTED * max((one.model.size for one in hypotheses), default=0.0)
+    if not hypotheses:
+        return {}
+    granted = GRANTED * max(one.model.size for one in hypotheses)
+    asked: list[tuple[int, _Move]] = []
     for number, (start, end, reply) in enumerate(moves):
-        asked = [k for k in range(len(hypotheses)) if k not in known]
-        if not asked:
-            break
-        among = [hypotheses[k] for k in asked]
-        answered: list[int] | None = None
+        move = None
         if isinstance(reply, Hit):
-            answered = _touched(among, start, end, reply.contact, sensor=sensor, granted=granted)
+            move = _touched(start, end, reply.contact, sensor=sensor, granted=granted)
         elif isinstance(reply, Miss | Skid):
             free = reply.free if isinstance(reply, Skid) else reply
-            answered = _passed(among, free, sensor=sensor, granted=granted)
-        if answered is not None:
-            known |= {asked[k]: number for k in range(len(asked)) if k not in answered}
-    return known
+            move = _passed(free, sensor=sensor, granted=granted)
+        if move is not None:
+            asked.append((number, move))
+    first = refuting_moves(hypotheses, [move for _, move in asked])
+    return {k: asked[place][0] for k, place in enumerate(first) if place is not None}
 
 
-def _touched(  # noqa: PLR0917 - a line, and what it met
-    among: list[Hypothesis], start: Array, end: Array, contact: Contact, *, sensor: Sensor, granted: float
-) -> list[int]:
-    """Those that may have been touched first where the contact says, all along this line."""
+def _touched(start: Array, end: Array, contact: Contact, *, sensor: Sensor, granted: float) -> _Move:
+    """That it was touched first where the contact says, all along this line."""
     normal_error = contact.normal_error
     felt = Sensor(
         contact.position_error + granted,
@@ -58,12 +58,11 @@ def _touched(  # noqa: PLR0917 - a line, and what it met
         contact.tip_radius,
         sensor.path_error + granted,
     )
-    length = float(np.hypot(*(end - start))) + granted
-    return judge(among, felt, start, end - start, length).outcome_of(contact)
+    return start, end - start, float(np.hypot(*(end - start))) + granted, felt, contact
 
 
-def _passed(among: list[Hypothesis], free: Miss, *, sensor: Sensor, granted: float) -> list[int] | None:
-    """Those that such a way may pass by; None: it is too short to tell."""
+def _passed(free: Miss, *, sensor: Sensor, granted: float) -> _Move | None:
+    """That it was passed by; None: the way is too short to tell."""
     way = free.end - free.start
     length = float(np.hypot(*way)) - granted
     if not length > 0.0:
@@ -75,4 +74,4 @@ def _passed(among: list[Hypothesis], free: Miss, *, sensor: Sensor, granted: flo
         free.tip_radius,
         max(sensor.path_error, free.path_error) + granted,
     )
-    return judge(among, felt, free.start, way, length).outcome_of(None)
+    return free.start, way, length, felt, None

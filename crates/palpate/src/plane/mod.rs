@@ -36,4 +36,6 @@ pub use thesis::ThesisPose;
 
 pub(crate) use case::Case;
 pub(crate) use hypotheses::explain;
+pub(crate) use outcome::{Allowance, Question, Rules};
 pub(crate) use scene::Scene;
+pub(crate) use shadow::Shadow;

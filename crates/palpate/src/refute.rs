@@ -1,0 +1,56 @@
+//! What guarded moves refute: hypotheses that can't have been met as they were (`docs/theory.md`, T15).
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::hypothesis::Hypothesis;
+use crate::judge::Reading;
+use crate::plan::{PlanSettings, check, checked_line};
+use crate::plane::{Allowance, Line, Question, Rules, Shadow};
+use crate::sensor::Sensor;
+
+/// A guarded move that was made, and what was met first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Move {
+    /// The line; its direction of any length but zero.
+    pub line: Line,
+    /// How far the tip was to go at most.
+    pub length: f64,
+    /// Bounds of this reading.
+    pub sensor: Sensor,
+    /// Sensed centre of the tip, and normal if it was sensed, world frame; `None`: nothing was met.
+    pub met: Option<(DVec2, Option<DVec2>)>,
+}
+
+/// Of each hypothesis the number of the first move that it can't have answered so, if there is one.
+///
+/// The same as `judge(...).outcome_of(...)` of each move says, without what else a path tells.
+///
+/// # Errors
+/// No hypotheses, a direction of no length, numbers that are not finite or too large.
+pub fn refuting_moves(hypotheses: &[Hypothesis], moves: &[Move]) -> Result<Vec<Option<usize>>, Error> {
+    let size = hypotheses.iter().map(|one| one.model.size).fold(0.0, f64::max);
+    let settings = PlanSettings::default();
+    let made: Vec<Move> = moves
+        .iter()
+        .map(|one| {
+            check(hypotheses, &one.sensor, &settings)?;
+            Ok(Move { line: checked_line(one.line, size)?, ..*one })
+        })
+        .collect::<Result<_, Error>>()?;
+    let first = |one: &Hypothesis| {
+        let shadow = Shadow::new(&one.poses);
+        made.iter().position(|one| !answers(&shadow, one))
+    };
+    Ok(hypotheses.par_iter().map(first).collect())
+}
+
+fn answers(shadow: &Shadow, one: &Move) -> bool {
+    let Move { line, length, sensor, met } = one;
+    let rules = Rules { faces: true, vertices: true, avoid_assigned: false };
+    let allowance = Allowance::new(sensor, shadow.model(), 0.0, 0.0);
+    let outcome = shadow.outcome(&Question::new(line, sensor, allowance, rules, *length));
+    let reading = met.map(|(center, normal)| Reading::new(line, center, normal));
+    outcome.may_answer(reading, sensor)
+}
