@@ -25,7 +25,7 @@ from palpate.loop.settings import MAX_TOUCHES
 from palpate.probe import Noise as NoiseName
 from palpate.probe import random_pose
 from palpate.truth import number_of_truth
-from palpate.usual import MAX_INCIDENCE_DEG, NORMAL_ERROR_DEG, POSITION_ERROR
+from palpate.usual import MAX_INCIDENCE_DEG, POSITION_ERROR
 
 ACROSS = 3.0  # the workspace in sizes of the largest part, if it is not given
 ROOM = 0.02  # of the part, between it and the border, at a random pose
@@ -40,7 +40,7 @@ def identify(
     noise: identify_options.Noise = "uniform",
     overtravel: identify_options.Overtravel = 0.0,
     position_error: identify_options.PositionError = POSITION_ERROR,
-    normal_error_deg: identify_options.NormalErrorDeg = NORMAL_ERROR_DEG,
+    normal_error_deg: identify_options.NormalErrorDeg = None,
     no_normal: identify_options.NoNormal = False,
     max_incidence_deg: plan_options.MaxIncidenceDeg = MAX_INCIDENCE_DEG,
     tip_radius: identify_options.TipRadius = 0.0,
@@ -92,7 +92,8 @@ def identify(
     lying = _truth(parts, truth, unit=unit)
     size = max(model.size for model in [*parts.models, lying])
     area = _workspace(workspace, pose, size)
-    normal_error = None if no_normal else math.radians(normal_error_deg)
+    normal_error_deg = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)
+    normal_error = None if normal_error_deg is None else math.radians(normal_error_deg)
     sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
     world_from_truth = _pose(pose, lying, workspace=area, sensor=sensor, seed=seed)
     simulated = SimulatedProbe(
@@ -111,7 +112,7 @@ def identify(
             contacts,
             unit=unit,
             position_error=position_error,
-            normal_error_deg=None if no_normal else normal_error_deg,
+            normal_error_deg=normal_error_deg,
             tip_radius=tip_radius,
             path_error=path_error,
         )
@@ -210,7 +211,14 @@ def _workspace(text: str | None, pose: str, size: float) -> Array:
 def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: int) -> Array:
     """That of the flag, or a random one at which the part lies inside of the workspace."""
     if text != "random":
-        return pose_of(text, "--pose")
+        world_from_model = pose_of(text, "--pose")
+        placed = model.vertices @ world_from_model[:2, :2].T + world_from_model[:2, 2]
+        if (placed < workspace[0]).any() or (placed > workspace[1]).any():
+            raise ValueError(
+                f"--pose: {model.name} does not lie within the workspace (got {text}); "
+                "give another pose, or a larger --workspace"
+            )
+        return world_from_model
     random = np.random.default_rng([seed, 1])
     room = ROOM * model.size + 2.0 * sensor.tip_radius + sensor.path_error
     try:

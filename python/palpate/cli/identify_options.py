@@ -10,6 +10,7 @@ import typer
 
 from palpate.cli import options
 from palpate.cli.plan_options import numbers_of, one_of
+from palpate.usual import NORMAL_ERROR_DEG
 
 NOISES = ("uniform", "bounds", "none")
 
@@ -34,6 +35,13 @@ def until_of(text: str | None) -> tuple[float, float] | None:
         return None
     length, angle = (float(part) for part in text.split(","))
     return length, math.radians(angle)
+
+
+def normal_error_deg_of(degrees: float | None, *, no_normal: bool) -> float | None:
+    """The bound, the usual one if none is given; None: readings have no normal."""
+    if no_normal and degrees is not None:
+        raise ValueError(f"--normal-error-deg {degrees:g}: must be given without --no-normal; choose one")
+    return None if no_normal else NORMAL_ERROR_DEG if degrees is None else degrees
 
 
 def probe(text: str) -> str:
@@ -98,12 +106,13 @@ PositionError = Annotated[
     ),
 ]
 NormalErrorDeg = Annotated[
-    float,
+    float | None,
     typer.Option(
         parser=options.direction_error_deg,
         metavar="DEG",
         help="Bound on the error of the sensed normal.",
         rich_help_panel="Sensor",
+        show_default=f"{NORMAL_ERROR_DEG:g}",
     ),
 ]
 NoNormal = Annotated[

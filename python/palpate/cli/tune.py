@@ -16,7 +16,7 @@ from palpate.cli import identify_options, options, plan_options
 from palpate.cli.console import results
 from palpate.cli.documents import print_document
 from palpate.cli.parts import load_parts
-from palpate.usual import MAX_INCIDENCE_DEG, NORMAL_ERROR_DEG, POSITION_ERROR
+from palpate.usual import MAX_INCIDENCE_DEG, POSITION_ERROR
 
 Problems = Annotated[
     int,
@@ -66,7 +66,7 @@ def tune(
     *,
     problems: Problems = 30,
     position_error: identify_options.PositionError = POSITION_ERROR,
-    normal_error_deg: identify_options.NormalErrorDeg = NORMAL_ERROR_DEG,
+    normal_error_deg: identify_options.NormalErrorDeg = None,
     no_normal: identify_options.NoNormal = False,
     max_incidence_deg: plan_options.MaxIncidenceDeg = MAX_INCIDENCE_DEG,
     tip_radius: identify_options.TipRadius = 0.0,
@@ -101,7 +101,8 @@ def tune(
         position_slack=position_slack,
         normal_slack_deg=normal_slack_deg,
     )
-    normal_error = None if no_normal else math.radians(normal_error_deg)
+    normal_error_deg = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)
+    normal_error = None if normal_error_deg is None else math.radians(normal_error_deg)
     sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
     costs = tuning.Costs(speed, touch_time)
     advice = tuning.tune(parts.models, sensor, costs, problems=problems, out=out, seed=seed, cluster=cluster)

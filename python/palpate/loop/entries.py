@@ -88,11 +88,11 @@ def reply_event(reply: Reply | None) -> Event:
     match reply:
         case None:
             return {"event": "reply", "kind": "moved"}
-        case Hit():
+        case Hit() if isinstance(reply.contact, Contact):
             return {"event": "reply", "kind": "hit", "contact": contact_entry(reply.contact)}
         case Miss():
             return {"event": "reply", "kind": "miss", "miss": miss_entry(reply)}
-        case Skid():
+        case Skid() if isinstance(reply.free, Miss):
             return {"event": "reply", "kind": "skid", "free": miss_entry(reply.free)}
         case AlreadyTouching():
             return {"event": "reply", "kind": "already_touching"}
@@ -105,7 +105,8 @@ def reply_event(reply: Reply | None) -> Event:
         case Fault():
             return {"event": "reply", "kind": "fault", "reason": str(reply.reason)}
     raise ValueError(
-        f"probe: answered {reply!r}; answer Hit, Miss, Skid, AlreadyTouching, UnexpectedTouch or Fault"
+        f"probe: answered {reply!r}; answer Hit of a Contact, Miss, Skid of a Miss, AlreadyTouching, "
+        "UnexpectedTouch or Fault"
     )
 
 

@@ -89,11 +89,11 @@ def identify(  # noqa: PLR0917 - the four that every call has
 
     Returns:
         What is left, and how it came to that. A probe that fails ends the run with the status `"fault"`; no
-        exception.
+        exception. So does an exception that it raises on a move, and a reading that can't be of its move.
 
     Raises:
-        ValueError: Bad input, named; a log that is there already, or of another run; a tip inside of the
-            workspace at first.
+        ValueError: Bad input, named; an answer that is no reply; a log that is there already, or of another
+            run; a tip inside of the workspace at first.
     """
     if not isinstance(probe, Probe):
         raise ValueError(f"probe: must have touch, move and position (got {probe!r}); see palpate.Probe")

@@ -192,9 +192,13 @@ class Run:
         settings = self._settings
         known = self._journal.peek("planned")
         if known is None:
-            limits = {"time_limit": settings.time_limit, "effort": settings.effort}
             report = verification_report(
-                last, settings.sensor, **limits, **settings.placed, **settings.judged
+                last,
+                settings.sensor,
+                time_limit=settings.time_limit,
+                effort=settings.effort,
+                **settings.placed,
+                **settings.judged,
             )
             self._journal.record(planned_event(report))
             return report.path, report.why

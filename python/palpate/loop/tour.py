@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import cast
+from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 
 from palpate._core import Miss
 from palpate.loop.entries import Event, reply_event, reply_in
 from palpate.loop.journal import Journal
+from palpate.loop.possible import impossible
 from palpate.loop.result import Purpose, stop_of
 from palpate.loop.route import Array, length_of, nearest_on_border, on_border, perimeter_route, rest_of
 from palpate.loop.settings import Settings
 from palpate.probe import Fault, Probe, Reply, UnexpectedTouch
+from palpate.probe.simulated import point_of
+
+Answer = TypeVar("Answer")
+
+
+class _Raised(Exception):
+    """The probe raised an exception of its own."""
 
 
 class Tour:
@@ -22,6 +31,7 @@ class Tour:
     def __init__(
         self, settings: Settings, probe: Probe | None, journal: Journal, *, position: Array | None
     ) -> None:
+        self._settings = settings
         self._workspace = settings.workspace
         self._slack = (
             settings.sensor.position_error
@@ -52,7 +62,7 @@ class Tour:
             return [], None
         self._journal.record({"event": "move", "points": [point.tolist() for point in points]})
         way = [self._at, *points]
-        reply = reply_in(self._journal.answer(lambda: self._moved(way)))
+        reply = self._answered(lambda: self._moved(way))
         if reply is not None:
             if not isinstance(reply, UnexpectedTouch | Fault):
                 raise ValueError(
@@ -72,9 +82,12 @@ class Tour:
             made = getattr(self._probe, "made", None)
             if made is not None:
                 made(start, end)
-        reply = reply_in(self._journal.answer(lambda: self._touched(start, end)))
+        reply = self._answered(lambda: self._touched(start, end))
         if reply is None:
             raise ValueError("probe: a guarded move was answered by nothing; it must answer a reply")
+        problem = impossible(reply, start, end, settings=self._settings)
+        if problem is not None:
+            reply = Fault(f"what it answered is impossible: {problem}")
         went_to = stop_of(reply, end)
         stopped = start if went_to is None else went_to
         self.travel += math.dist(start, stopped)
@@ -83,28 +96,49 @@ class Tour:
         self._back = None if on_far_side else start
         return reply
 
-    def _moved(self, way: list[Array]) -> Event:
-        probe = self._live()
-        points = self._taken_up(way)
-        return reply_event(probe.move(np.array(points)) if points else None)
+    def _answered(self, question: Callable[[], Reply | None]) -> Reply | None:
+        """The known reply, or that of the probe; what the probe raises is a fault of it."""
 
-    def _touched(self, start: Array, end: Array) -> Event:
-        probe = self._live()
+        def asked() -> Event:
+            try:
+                return reply_event(question())
+            except _Raised as raised:
+                return reply_event(Fault(str(raised)))
+
+        return reply_in(self._journal.answer(asked))
+
+    def _moved(self, way: list[Array]) -> UnexpectedTouch | Fault | None:
+        points = self._taken_up(way)
+        return self._ask(lambda probe: probe.move(np.array(points))) if points else None
+
+    def _touched(self, start: Array, end: Array) -> Reply:
         # Stopped on its way: it goes back as it came.
-        if self._taken_up([start, end]) and self._position() is not None:
-            if not np.array_equal(cast(Array, self._position()), start):
-                failed = probe.move(np.array([start]))
+        if self._taken_up([start, end]):
+            position = self._position()
+            if position is not None and not np.array_equal(position, start):
+                failed = self._ask(lambda probe: probe.move(np.array([start])))
                 if failed is not None:
-                    return reply_event(failed)
-        return reply_event(probe.touch(start, end))
+                    return failed
+        return self._ask(lambda probe: probe.touch(start, end))
+
+    def _ask(self, question: Callable[[Probe], Answer]) -> Answer:
+        """What the probe answers.
+
+        Raises:
+            _Raised: What it raised; Ctrl-C and its like are not the probe's and end the program.
+        """
+        try:
+            return question(self._live())
+        except Exception as error:
+            raise _Raised(f"it raised {type(error).__name__}: {error}") from error
 
     def _live(self) -> Probe:
         assert self._probe is not None
         return self._probe
 
     def _position(self) -> Array | None:
-        position = self._live().position
-        return None if position is None else np.array(position, dtype=float)
+        position = self._ask(lambda probe: probe.position)
+        return None if position is None else point_of("probe.position", position)
 
     def _taken_up(self, way: list[Array]) -> list[Array]:
         """What is left of a way: a run that was killed may have stopped on it."""

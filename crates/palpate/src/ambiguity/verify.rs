@@ -194,3 +194,89 @@ fn candidates(scene: &Scene) -> impl Iterator<Item = Line> + '_ {
         between.into_iter().filter_map(move |aside| scene.line(angle, aside))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::dvec2;
+
+    use super::*;
+    use crate::plane::Model;
+    use crate::{Contact, Evidence, Normal, Settings, recognize};
+
+    /// A block with a rounded corner, touched on its bottom and on its left.
+    fn block() -> Hypothesis {
+        let around = |k: i32| dvec2(50.0, 30.0) + 20.0 * DVec2::from_angle(PI / 22.0 * f64::from(k));
+        let mut corners = vec![dvec2(0.0, 0.0), dvec2(70.0, 0.0)];
+        corners.extend((0..12).map(around));
+        corners.extend([dvec2(30.0, 50.0), dvec2(30.0, 20.0), dvec2(0.0, 20.0)]);
+        let model = Arc::new(Model::polygon("block", &corners, &[], &[], 0.0, 0.0).expect("an outline"));
+        let touched =
+            [(dvec2(20.0, 0.0), -DVec2::Y), (dvec2(60.0, 0.0), -DVec2::Y), (dvec2(0.0, 10.0), -DVec2::X)];
+        let contacts = touched.map(|(at, normal)| {
+            let normal = Normal::new(normal, 0.07).expect("bounds are valid");
+            Contact::new(at, 0.0, 0.5).expect("bounds are valid").with_normal(normal)
+        });
+        let evidence = Evidence { contacts: contacts.into(), ..Evidence::default() };
+        let found = recognize(&[model], &evidence, &Settings::default()).expect("well-formed");
+        found.hypotheses.into_iter().next().expect("it is among them")
+    }
+
+    fn sensors() -> [Sensor; 2] {
+        let point = Sensor::new(0.5, Some(0.07), 1.0).expect("bounds are valid");
+        [point, Sensor { tip_radius: 2.0, path_error: 0.2, ..point }]
+    }
+
+    /// Every line judged, in their order.
+    fn by_all_lines(scene: &Scene) -> Option<(u32, Line)> {
+        let mut best: Option<(u32, Line)> = None;
+        for line in candidates(scene) {
+            let known = best.map_or(0, |(steps, _)| steps);
+            if holds(scene, &line, known + 1) {
+                best = Some((largest(known + 1, |steps| holds(scene, &line, steps)), line));
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn the_promising_first_is_the_same_as_all() {
+        let (hypothesis, settings) = (block(), PlanSettings::default());
+        for sensor in sensors() {
+            let scene = scene(&hypothesis, &sensor, &settings).expect("well-formed");
+            let (steps, line) = by_all_lines(&scene).expect("the corner is left");
+            let all = candidates(&scene).count() as u64;
+            let found = verification_until(&hypothesis, &sensor, &settings, &|| false).expect("well-formed");
+            let path = found.path.expect("the same");
+            assert_eq!((path.line, path.margin), (line, margin(&scene, steps)));
+            assert!(found.why == Why::Searched && 2 * found.num_judged < all);
+            let again = verification_along(&hypothesis, &sensor, path.line, &settings).expect("well-formed");
+            assert_eq!(again, Some(path));
+        }
+    }
+
+    #[test]
+    fn effort_and_time_cut_it_short() {
+        let (hypothesis, [sensor, _]) = (block(), sensors());
+        let little = PlanSettings { effort: 1, ..PlanSettings::default() };
+        let found = verification_until(&hypothesis, &sensor, &little, &|| false).expect("well-formed");
+        assert_eq!(found.why, Why::Effort);
+        let late = verification_until(&hypothesis, &sensor, &PlanSettings::default(), &|| true);
+        let late = late.expect("well-formed");
+        assert_eq!((late.path, late.why, late.num_judged), (None, Why::Time, 0));
+    }
+
+    /// A line that does not keep its promise would be left out wrongly.
+    #[test]
+    fn no_line_holds_with_more_than_it_promises() {
+        let hypothesis = block();
+        for sensor in sensors() {
+            let scene = scene(&hypothesis, &sensor, &PlanSettings::default()).expect("well-formed");
+            for line in candidates(&scene) {
+                let most = promise(&scene, &line);
+                assert!(!holds(&scene, &line, most + 1), "{line:?} holds with more than {most}");
+            }
+        }
+    }
+}
