@@ -144,7 +144,7 @@ def test_the_search_for_one_more_touch_keeps_to_its_limits():
     told = [(p.start.tolist(), p.direction.tolist(), p.length, p.margin) for p in (again, whole.path)]
     assert told[0] == told[1]
     assert palpate.verification_path(one, usual_sensor(), line=((900, 900), (1, 0))) is None
-    with pytest.raises(ValueError, match=r"line\[1\]"):
+    with pytest.raises(ValueError, match="direction: must not be zero"):
         palpate.verification_path(one, usual_sensor(), line=((900, 900), (0, 0)))
 
 

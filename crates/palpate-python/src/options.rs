@@ -202,21 +202,29 @@ fn directions(value: &Any<'_>) -> PyResult<(glam::DVec2, f64)> {
     Ok((vector("directions[0]", axis)?, number("directions[1]", half)?))
 }
 
-/// Lines, each a start and a direction.
+/// Lines, each a start and a direction, which is made unit.
 fn lines(argument: &str, value: &Any<'_>) -> PyResult<Vec<Line>> {
     let listed = members(argument, value, "lines", "give [(path.start, path.direction), ...]")?;
-    listed.iter().enumerate().map(|(k, pair)| line(&format!("{argument}[{k}]"), pair)).collect()
+    let read = |(k, pair): (usize, &Any<'_>)| {
+        let place = format!("{argument}[{k}]");
+        let [start, direction] = ends(&place, pair)?;
+        let start = vector(&format!("{place}[0]"), &start)?;
+        Ok(Line { start, direction: crate::convert::direction(&format!("{place}[1]"), &direction)? })
+    };
+    listed.iter().enumerate().map(read).collect()
 }
 
-/// A start and a direction.
+/// A start and a direction, as they are.
 pub(crate) fn line(argument: &str, value: &Any<'_>) -> PyResult<Line> {
+    let [start, direction] = ends(argument, value)?;
+    let read = |k: usize, value: &Any<'_>| vector(&format!("{argument}[{k}]"), value);
+    Ok(Line { start: read(0, &start)?, direction: read(1, &direction)? })
+}
+
+fn ends<'py>(argument: &str, value: &Any<'py>) -> PyResult<[Any<'py>; 2]> {
     let remedy = "give (path.start, path.direction)";
     let ends = members(argument, value, "a start and a direction", remedy)?;
-    let [start, direction] = ends.as_slice() else {
-        return Err(refuse(argument, "must be a start and a direction", value, remedy));
-    };
-    let start = vector(&format!("{argument}[0]"), start)?;
-    Ok(Line { start, direction: crate::convert::direction(&format!("{argument}[1]"), direction)? })
+    ends.try_into().map_err(|_| refuse(argument, "must be a start and a direction", value, remedy))
 }
 
 fn time_limit(value: &Any<'_>) -> PyResult<Duration> {
