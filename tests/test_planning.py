@@ -354,6 +354,20 @@ def test_verification_path(hands):
     assert palpate.verification_path(hands[1], usual_sensor(), features=("vertex",)) is None
 
 
+@pytest.mark.parametrize("tip_radius", [0.0, 2.0])
+def test_two_of_one_part_are_inseparable_whatever_the_tip(wedge, tip_radius):
+    other = palpate.Model.polygon(wedge.vertices, name="the same")
+    touches = [
+        palpate.Contact.from_tip(at, tip_radius, position_error=0.5, normal=normal, normal_error=0.07)
+        for at, normal in (((30, -tip_radius), (0, -1)), ((-tip_radius, 20), (-1, 0)))
+    ]
+    found = palpate.recognize([wedge, other], touches).hypotheses
+    twins = [one for one in found if np.allclose(one.world_from_model, found[0].world_from_model)]
+    assert [one.model.name for one in twins] == ["wedge", "the same"]
+    report = palpate.plan_report(twins, usual_sensor(tip_radius=tip_radius), effort=10)
+    assert report.why == "inseparable" and report.proved and report.path.expected_score == 2.0
+
+
 @pytest.mark.parametrize("method", ["greedy", "ahead", "optimal"])
 def test_tree(many, method):
     sensor = usual_sensor(normal_error=None)  # one path doesn't do

@@ -2,7 +2,8 @@
 
 use std::cmp::Ordering;
 
-use crate::path::{Path, judged};
+use crate::judge::{Outcome, Verdict};
+use crate::path::{Path, judged, rounded_margin, rounded_score};
 use crate::plan::Stop;
 use crate::plane::{Line, Scene};
 
@@ -63,13 +64,17 @@ impl<'a> Best<'a> {
         if let Some(listener) = &mut self.listener {
             listener(line);
         }
-        let Some(verdict) = self.scene.verdict(line, self.members, 0.0) else { return false };
+        let Ok(outcomes) = self.scene.outcomes(line, self.members, 0.0) else { return false };
+        let verdict = Verdict::new(&outcomes, &self.scene.sensor);
         let left = match self.aim {
             Aim::Score => verdict.num_left(),
             Aim::Branches => verdict.classes().iter().map(|class| class.len().pow(2)).sum(),
         };
         let certain = verdict.num_left() < self.members.len().pow(2);
         if left > self.num_left() || (!certain && self.scene.was_tried(line)) {
+            return false;
+        }
+        if left == self.left && self.comes_after(line, &outcomes, &verdict) {
             return false;
         }
         let path = judged(self.scene, self.members, line, None);
@@ -83,6 +88,24 @@ impl<'a> Best<'a> {
             self.left = left;
         }
         better
+    }
+
+    /// Whether a line is known to come after the best path, before its own margin is.
+    fn comes_after(&self, line: &Line, outcomes: &[Outcome], verdict: &Verdict) -> bool {
+        let Some(known) = &self.path else { return false };
+        let (scene, members) = (self.scene, self.members);
+        let expected = || {
+            let score = scene.expected_score(line, members, outcomes, f64::INFINITY);
+            rounded_score(score, members.len()).total_cmp(&rounded_score(known.expected_score, members.len()))
+        };
+        match verdict.score().total_cmp(&known.score).then_with(expected) {
+            Ordering::Less => false,
+            Ordering::Greater => true,
+            Ordering::Equal => {
+                let least = rounded_margin(known.margin, scene.margin) - 0.5;
+                least > 0.0 && !scene.keeps(line, members, verdict, least * scene.margin)
+            }
+        }
     }
 
     pub fn enough(&self, stop: Stop) -> bool {

@@ -72,18 +72,26 @@ impl Path {
 
     /// The order of paths, best first (DESIGN §2).
     pub(crate) fn order(&self, other: &Self, m: f64) -> Ordering {
-        let n = self.outcomes.len().max(1) as f64;
-        let rounded = |value: f64, unit: f64| if unit > 0.0 { (value / unit).round() } else { value };
-        let expected = |path: &Self| rounded(path.expected_score, 0.01 * n);
+        let expected = |path: &Self| rounded_score(path.expected_score, self.outcomes.len());
         self.score
             .total_cmp(&other.score)
             .then(expected(self).total_cmp(&expected(other)))
-            .then(rounded(other.margin, m).total_cmp(&rounded(self.margin, m)))
+            .then(rounded_margin(other.margin, m).total_cmp(&rounded_margin(self.margin, m)))
             .then(self.length.total_cmp(&other.length))
             .then(self.line.start.x.total_cmp(&other.line.start.x))
             .then(self.line.start.y.total_cmp(&other.line.start.y))
             .then(self.line.direction.to_angle().total_cmp(&other.line.direction.to_angle()))
     }
+}
+
+/// An expected score among so many, as paths are ordered: in hundredths of their number.
+pub(crate) fn rounded_score(score: f64, count: usize) -> f64 {
+    (score / (0.01 * count.max(1) as f64)).round()
+}
+
+/// A margin as paths are ordered: in m.
+pub(crate) fn rounded_margin(margin: f64, m: f64) -> f64 {
+    if m > 0.0 { (margin / m).round() } else { margin }
 }
 
 /// The path along a line among the members.

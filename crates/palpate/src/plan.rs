@@ -242,10 +242,13 @@ pub(crate) fn plan_with(mut best: Best<'_>, settings: &PlanSettings, late: &dyn 
         Planner::Auto | Planner::Complete => {
             planners::sweep(&mut best, settings.stop, late);
             let tells = |best: &Best<'_>| best.num_left() < best.members.len().pow(2);
-            if settings.planner == Planner::Auto && !tells(&best) {
+            let twins = best.scene.one_part_at_one_pose(best.members);
+            if twins && best.path.is_some() {
+                proof = planners::Proof { bound: best.members.len() as f64, proved: true, num_boxes: 0 };
+            } else if settings.planner == Planner::Auto && !tells(&best) {
                 planners::grimson(&mut best, Planner::USUAL_GRID, settings, late);
             }
-            if settings.planner == Planner::Complete || !tells(&best) {
+            if !proof.proved && (settings.planner == Planner::Complete || !tells(&best)) {
                 proof = planners::complete(&mut best, settings, late);
             }
         }

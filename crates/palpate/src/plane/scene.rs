@@ -35,6 +35,9 @@ const CLEAR: f64 = 1e-5;
 /// Poses of each hypothesis over which a path's expected score is taken.
 const NUM_EXPECTED: usize = 16;
 
+/// Margins are looked for up to so many eighths of m.
+const MOST_STEPS: u32 = 512;
+
 /// Hypotheses with all their poses, the sensor, and what is asked of a path.
 #[derive(Debug)]
 pub(crate) struct Scene {
@@ -245,6 +248,16 @@ impl Scene {
         Question::new(line, &self.sensor, allowance, self.rules, length)
     }
 
+    /// Whether the members are one part, named differently or not, with a pose in common. Its reading leaves all of them,
+    /// whatever the line.
+    pub fn one_part_at_one_pose(&self, members: &[usize]) -> bool {
+        members.iter().all(|member| {
+            let [(first, one), (other, another)] =
+                [members[0], *member].map(|k| (self.shadows[k].model(), self.views[k][0]));
+            one == another && first.closed == other.closed && first.faces == other.faces
+        })
+    }
+
     /// Whether a line can be used and leaves fewer than so many pairs of members; `joined` says of two places in `members`
     /// whether they are known to be left. As the verdict would say, but no longer than needed.
     pub fn leaves_fewer(
@@ -280,20 +293,27 @@ impl Scene {
         self.outcomes(line, members, margin).ok().map(|outcomes| Verdict::new(&outcomes, &self.sensor))
     }
 
+    /// Whether a line, everything widened by the margin, stays usable and separates all that the verdict does.
+    pub fn keeps(&self, line: &Line, members: &[usize], verdict: &Verdict, margin: f64) -> bool {
+        self.verdict(line, members, margin).is_some_and(|other| other.left == verdict.left)
+    }
+
     /// The largest μ, to an eighth of m and at most 64 m, with which the verdict still separates all that it separates
     /// without, and the line stays usable.
     pub fn margin_of(&self, line: &Line, members: &[usize], verdict: &Verdict) -> f64 {
-        let holds =
-            |margin: f64| self.verdict(line, members, margin).is_some_and(|other| other.left == verdict.left);
+        let holds = |margin: f64| self.keeps(line, members, verdict, margin);
         let step = 0.125 * self.margin;
         if step == 0.0 || !holds(step) {
             return 0.0;
         }
+        // Where nothing is told apart, many lines have all of it.
+        if holds(step * f64::from(MOST_STEPS)) {
+            return step * f64::from(MOST_STEPS);
+        }
         let (mut low, mut high) = (1_u32, 2_u32);
-        while high <= 512 && holds(step * f64::from(high)) {
+        while high < MOST_STEPS && holds(step * f64::from(high)) {
             (low, high) = (high, 2 * high);
         }
-        high = high.min(513);
         while high - low > 1 {
             let middle = u32::midpoint(low, high);
             if holds(step * f64::from(middle)) { low = middle } else { high = middle }
