@@ -289,9 +289,9 @@ def test_lines_that_were_tried_are_refused_where_nothing_is_certain(hands, path)
 
 
 def test_effort_limits_the_search_and_the_bound_tells():
-    # Two parts that are the same: no path tells, and it takes a search to say so.
-    outline = [[0, 0], [60, 0], [60, 25], [0, 40]]
-    twins = [palpate.Model.polygon(outline, name=name) for name in ("one", "two")]
+    # Two parts that are nearly the same: no path tells, and it takes a search to say so.
+    outlines = {"one": [[0, 0], [60, 0], [60, 25], [0, 40]], "two": [[0, 0], [60, 0], [60, 25.001], [0, 40]]}
+    twins = [palpate.Model.polygon(outline, name=name) for name, outline in outlines.items()]
     touches = [palpate.Contact(p, n, position_error=0.01, normal_error=0.001) for p, n in
                [((10, 0), (0, -1)), ((50, 0), (0, -1)), ((0, 10), (-1, 0)), ((60, 20), (1, 0))]]  # fmt: skip
     found = palpate.recognize(twins, touches).hypotheses
