@@ -114,7 +114,8 @@ def _of_array(value: list[Any], node: Node, where: tuple[str, ...]) -> _Problem 
 
 
 def _of_number(value: float, node: Node, where: tuple[str, ...]) -> _Problem | None:
-    low = float(node.get("minimum", node.get("exclusiveMinimum", -math.inf)))
+    least: float = node["minimum"] if "minimum" in node else node.get("exclusiveMinimum", -math.inf)
+    low = float(least)
     if not abs(value) < LARGEST:
         return _Problem(where, f"must be finite (got {_brief(value)})")
     if value < low or ("exclusiveMinimum" in node and value == low):
