@@ -157,10 +157,9 @@ def test_kinds_that_a_path_may_touch_say_nothing_of_scans():
 
 def coarse(number, **settings):
     """A loop in which a path promises more than its contact tells where it is taken as a mere place."""
-    models = list(closed_loop.parts().values())
-    sensor = closed_loop.sensor_of(position_error=4.0, normal_error_deg=5.0)
-    problem = closed_loop.problem_of(number, models, models[number % 9], sensor=sensor)
-    return problem, palpate.identify(models, problem.probe, sensor, problem.workspace, **settings)
+    sensor = usual_sensor(position_error=4.0, normal_error=math.radians(5))
+    problem = closed_loop.problem_of(number, PARTS, PARTS[number % len(PARTS)], sensor=sensor)
+    return problem, palpate.identify(PARTS, problem.probe, sensor, problem.workspace, **settings)
 
 
 def test_what_a_path_promised_is_kept_with_coarse_readings():
