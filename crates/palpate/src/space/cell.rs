@@ -9,12 +9,14 @@
 //! docs/theory.md). So every condition `u·(y + S c) ≤ b` implies one that is linear in `(d, y)`, loose by a second-order
 //! term only: few cells are tight. (MATH 2.1.2 is loose by `|d| |c|`.)
 
+use std::f64::consts::TAU;
+
 use glam::{DMat3, DVec3};
 
 use super::case::{Case, PivotPose};
 use super::free::Sweep;
 use super::lp::{self, Row};
-use super::pose::{Pose, rotation};
+use super::pose::{Pose, rotation, vector};
 use super::site::{Site, angle};
 use crate::feature::Feature;
 
@@ -206,9 +208,7 @@ impl Cell {
             left.retain(|number| {
                 let site = &sites[*number as usize];
                 place.distance(site.middle) <= near + site.reach
-                    && caps.iter().all(|cap| {
-                        cap.least <= -1.0 || site.normal_distance(cap.axis).cos() >= cap.least - 1e-12
-                    })
+                    && caps.iter().all(|cap| site.normal_distance(cap.axis) <= cap.angle + 1e-9)
                     && site.distance(place, &caps) <= near
             });
             if left.is_empty() {
@@ -451,15 +451,33 @@ impl Cell {
 
     /// The chart coordinates of a rotation.
     pub fn coordinates(&self, turn: DMat3) -> DVec3 {
-        let relative = glam::DQuat::from_mat3(&(turn * self.base.transpose()));
-        relative.to_scaled_axis()
+        vector(turn * self.base.transpose())
     }
 
     /// Whether a pose is in the cell, within a length and an angle.
     pub fn holds(&self, pose: PivotPose, length: f64, turn: f64) -> bool {
         let v = self.coordinates(pose.rotation);
-        (v - self.v).abs().cmple(self.v_half + turn + 1e-9).all()
+        // The same rotation the other way round: near half a turn, either may be in the box.
+        let other = v - v.normalize_or_zero() * TAU;
+        [v, other].iter().any(|v| (*v - self.v).abs().cmple(self.v_half + turn + 1e-9).all())
             && (pose.y - self.y).abs().cmple(self.y_half + length).all()
+    }
+
+    /// Where a motion of the model takes it: a cell around that.
+    pub fn moved(&self, motion: Pose) -> Self {
+        let turn = motion.rotation;
+        let widths = DMat3::from_cols(turn.x_axis.abs(), turn.y_axis.abs(), turn.z_axis.abs());
+        // What turns a box may leave it by rounding.
+        let around = |half: DVec3| widths * half * (1.0 + 1e-12);
+        Self {
+            base: turn * self.base,
+            v: turn * self.v,
+            v_half: around(self.v_half) + 1e-12,
+            y: motion.apply(self.y),
+            y_half: around(self.y_half) + 1e-12 * self.y.length(),
+            left: self.left.clone(),
+            cuts: Vec::new(),
+        }
     }
 
     /// `(exp(v) along)·(offset − dy)` about the middle, less its value there: what is linear in `d`, beside `−along·dy`,

@@ -92,6 +92,18 @@ pub(crate) fn rotation(vector: DVec3) -> DMat3 {
     }
 }
 
+/// The rotation near a matrix that is one up to rounding.
+pub(crate) fn proper(matrix: DMat3) -> DMat3 {
+    DMat3::from_quat(glam::DQuat::from_mat3(&matrix).normalize())
+}
+
+/// The vector of a rotation: its axis times its angle, of length at most π.
+pub(crate) fn vector(rotation: DMat3) -> DVec3 {
+    let turn = glam::DQuat::from_mat3(&rotation).normalize();
+    let turn = if turn.w < 0.0 { -turn } else { turn };
+    turn.to_scaled_axis()
+}
+
 /// The angle of a rotation, radians, `[0, π]`: accurate at either end.
 pub(crate) fn angle(rotation: DMat3) -> f64 {
     let skew = DVec3::new(

@@ -3,7 +3,7 @@
 //! A site is convex up to the roundness of its normals: a convex piece of a face, moved out by the radius; a part of
 //! the cylinder around an edge; a part of the ball around a vertex (MATH 2.1, 2.3.4).
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3, dvec2};
@@ -33,6 +33,9 @@ enum Shape {
     /// A vertex with its cone of normals, as the halves of the sphere that make it up.
     Vertex { point: DVec3, cone: Vec<Cap>, corners: Vec<DVec3> },
 }
+
+/// A normal counts as allowed if it misses by no more, radians.
+const ROUNDING: f64 = 1e-11;
 
 /// Angles, from the first normal of an edge.
 type Intervals = ArrayVec<(f64, f64), 4>;
@@ -99,7 +102,7 @@ impl Site {
     fn vertex(feature: Feature, radius: f64, point: DVec3, corners: &[DVec3]) -> Self {
         let next = corners.iter().cycle().skip(1);
         let halves = corners.iter().zip(next).filter_map(|(a, b)| a.cross(*b).try_normalize());
-        let cone = halves.map(|axis| Cap { axis, least: 0.0 }).collect();
+        let cone = halves.map(Cap::half).collect();
         let shape = Shape::Vertex { point, cone, corners: corners.to_vec() };
         Self { feature, radius, shape, middle: point, reach: radius }
     }
@@ -147,7 +150,7 @@ impl Site {
     pub fn support(&self, direction: DVec3, allowed: &[Cap]) -> f64 {
         match &self.shape {
             Shape::Piece { corners, normal, .. } => {
-                if !allowed.iter().all(|cap| normal.dot(cap.axis) >= cap.least) {
+                if !allowed.iter().all(|cap| cap.holds(*normal)) {
                     return f64::NEG_INFINITY;
                 }
                 corners.iter().map(|corner| direction.dot(*corner)).fold(f64::NEG_INFINITY, f64::max)
@@ -182,7 +185,7 @@ impl Site {
     pub fn nearest(&self, point: DVec3, allowed: &[Cap]) -> Option<DVec3> {
         match &self.shape {
             Shape::Piece { normal, corners, .. } => {
-                let all = allowed.iter().all(|cap| normal.dot(cap.axis) >= cap.least);
+                let all = allowed.iter().all(|cap| cap.holds(*normal));
                 all.then(|| nearest_in_polygon(point, *normal, corners))
             }
             Shape::Edge { start, along, length, first, across, .. } => {
@@ -245,18 +248,22 @@ impl Site {
 
     /// The angles of an edge's arc that all of `allowed` allow.
     fn intervals(&self, allowed: &[Cap]) -> Intervals {
-        let Shape::Edge { first, across, width, .. } = &self.shape else { return Intervals::new() };
+        let Shape::Edge { along, first, across, width, .. } = &self.shape else { return Intervals::new() };
         let mut left: Intervals = std::iter::once((0.0, *width)).collect();
         for cap in allowed {
+            // The plane of the arc meets the cap in an arc about the axis's foot, if the cap reaches it.
             let at = in_plane(*first, *across, cap.axis);
-            let size = at.length();
-            if cap.least <= -size {
+            let off = cap.axis.dot(*along).abs().atan2(at.length());
+            if cap.angle + off >= PI {
                 continue;
             }
-            if cap.least > size {
+            if off > cap.angle + ROUNDING {
                 return Intervals::new();
             }
-            let (middle, half) = (at.to_angle(), (cap.least / size).acos());
+            // sin²(half/2), by a difference that keeps its digits.
+            let (sum, difference) = (0.5 * (cap.angle + off), 0.5 * (cap.angle - off).max(0.0));
+            let square = sum.sin() * difference.sin() / off.cos();
+            let (middle, half) = (at.to_angle(), 2.0 * square.min(1.0).sqrt().asin() + ROUNDING);
             let mut cut = Intervals::new();
             for (low, high) in left {
                 for turn in [-TAU, 0.0, TAU] {

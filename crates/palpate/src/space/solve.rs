@@ -343,6 +343,8 @@ fn ball(a: &Sensed, b: &Sensed) -> Option<(DMat3, f64)> {
         Some(DMat3::from_cols(middle, across, middle.cross(across)))
     };
     let turn = frame(a.normal, b.normal)? * frame(a.reading, b.reading)?.transpose();
+    // Nearly parallel normals span a frame that is orthogonal only roughly; what is used is a rotation.
+    let turn = pose::proper(turn);
     let residual = |one: &Sensed| angle(turn * one.reading, one.normal);
     let worst = (a.error + residual(a)).max(b.error + residual(b));
     let apart = angle(a.reading, b.reading);

@@ -1,107 +1,139 @@
-//! Directions: convex regions of the sphere and their nearest points.
+//! Directions: regions of the sphere that caps bound, and their nearest points.
+//!
+//! Caps are kept by their angle and compared by chords: a cosine near 1 has no digits for a small angle.
+
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-/// Directions `n` with `n · axis ≥ least`: a cap, or a half of the sphere if `least` is zero.
+/// Directions within an angle of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cap {
     /// Unit.
     pub axis: DVec3,
-    pub least: f64,
+    /// Radians, `[0, π]`.
+    pub angle: f64,
+    /// The chord of the angle.
+    chord: f64,
 }
 
-/// A direction counts as inside if it misses by no more: some units of rounding.
-const ROUNDING: f64 = 1e-13;
+/// A direction counts as inside if it misses by no more, radians.
+const ROUNDING: f64 = 1e-11;
+
+/// Axes nearer than this, radians, count as one where rims cross: what that adds to a direction's error is below twice of it.
+const COAXIAL: f64 = 3e-8;
 
 impl Cap {
-    /// Directions within `angle` of `axis`, radians, `[0, π]`.
+    /// Directions within `angle` of the unit vector `axis`.
     pub fn around(axis: DVec3, angle: f64) -> Self {
-        Self { axis, least: if angle >= std::f64::consts::PI { -2.0 } else { angle.cos() } }
+        let angle = angle.clamp(0.0, PI);
+        Self { axis, angle, chord: 2.0 * (0.5 * angle).sin() }
     }
 
-    fn holds(self, direction: DVec3) -> bool {
-        direction.dot(self.axis) >= self.least - ROUNDING
+    /// The half of the sphere towards `axis`.
+    pub fn half(axis: DVec3) -> Self {
+        Self::around(axis, FRAC_PI_2)
     }
 
-    /// Its direction nearest to `direction`, on the rim if that is outside; `None` if it has none.
-    fn nearest(self, direction: DVec3) -> Option<DVec3> {
+    /// Whether a unit direction is in it.
+    pub fn holds(self, direction: DVec3) -> bool {
+        self.nearly_holds(direction, ROUNDING)
+    }
+
+    fn nearly_holds(self, direction: DVec3, slack: f64) -> bool {
+        direction.distance(self.axis) <= self.chord + slack
+    }
+
+    /// Its direction nearest to `direction`.
+    fn nearest(self, direction: DVec3) -> DVec3 {
         if self.holds(direction) {
-            return Some(direction);
+            return direction;
         }
-        let sine = (1.0 - self.least * self.least).max(0.0).sqrt();
-        (self.least <= 1.0 + ROUNDING).then(|| {
-            let across = direction - self.axis * direction.dot(self.axis);
-            let across = across.try_normalize().unwrap_or_else(|| self.axis.any_orthonormal_vector());
-            self.least * self.axis + sine * across
-        })
+        let across = direction - self.axis * direction.dot(self.axis);
+        let across = across.try_normalize().unwrap_or_else(|| self.axis.any_orthonormal_vector());
+        let (sine, cosine) = self.angle.sin_cos();
+        cosine * self.axis + sine * across
     }
 
-    /// Where the rims of two caps cross.
-    fn crossings(self, other: Self) -> Option<[DVec3; 2]> {
-        let along = self.axis.cross(other.axis);
-        let square = along.length_squared();
-        let cosine = self.axis.dot(other.axis);
-        (square > 1e-24).then(|| {
-            let a = (self.least - other.least * cosine) / square;
-            let b = (other.least - self.least * cosine) / square;
-            let base = a * self.axis + b * other.axis;
-            let rest = ((1.0 - base.length_squared()).max(0.0) / square).sqrt();
-            [base + rest * along, base - rest * along]
+    /// By how much a direction on its rim may seem to miss the others: where axes count as one, their rims are not crossed.
+    fn slack(self, caps: &[Self]) -> f64 {
+        let coaxial =
+            |other: &Self| other.axis != self.axis && other.axis.distance(self.axis) < 2.0 * COAXIAL;
+        if caps.iter().any(coaxial) { 4.0 * COAXIAL } else { ROUNDING }
+    }
+
+    /// Where the rims of two caps cross, and how far rounding may have moved that, radians.
+    fn crossings(self, other: Self) -> Option<([DVec3; 2], f64)> {
+        if other.angle.sin() < self.angle.sin() {
+            // A small rim is where it is to a share of its own size only as seen from its own axis.
+            return other.crossings(self);
+        }
+        // An orthonormal frame: this axis, towards the other one, across.
+        let offset = other.axis - self.axis;
+        let toward = offset - self.axis * offset.dot(self.axis);
+        let sine = toward.length();
+        if sine < COAXIAL {
+            return None;
+        }
+        let toward = toward / sine;
+        let (across, x) = self.angle.sin_cos();
+        // cos β − cos α cos d, by differences that keep their digits.
+        let (sum, difference) = (0.5 * (self.angle + other.angle), 0.5 * (self.angle - other.angle));
+        let y = (2.0 * sum.sin() * difference.sin() + 0.5 * x * offset.length_squared()) / sine;
+        let slack = ROUNDING + 4.0 * f64::EPSILON / sine;
+        // Rims that miss each other by rounding touch.
+        (y.abs() <= across + slack).then(|| {
+            let base = x * self.axis + y.clamp(-across, across) * toward;
+            let rest = (across * across - y * y).max(0.0).sqrt() * self.axis.cross(toward);
+            ([base + rest, base - rest], slack)
         })
     }
 }
 
 /// The direction nearest to `direction` in all of `caps`; `None` if they have none in common.
 ///
-/// It is `direction` itself, the nearest of one cap, or where two rims cross: the region is an intersection of caps,
-/// and a nearest point of it has at most two of them at their rim.
+/// It is `direction` itself, the nearest of one cap, or where two rims cross: along a rim the distance has one least
+/// value, so that a nearest point of the region is there, or at the end of an arc.
 pub(crate) fn nearest(direction: DVec3, caps: &[Cap]) -> Option<DVec3> {
-    let inside = |candidate: DVec3, but: [usize; 2]| {
-        let others = caps.iter().enumerate().filter(|(k, _)| !but.contains(k));
-        others.into_iter().all(|(_, cap)| cap.holds(candidate))
-    };
-    if inside(direction, [usize::MAX; 2]) {
+    let inside = |candidate: DVec3, slack: f64| caps.iter().all(|cap| cap.nearly_holds(candidate, slack));
+    if inside(direction, ROUNDING) {
         return Some(direction);
     }
     let mut best: Option<DVec3> = None;
-    let mut offer = |candidate: DVec3| {
-        if best.is_none_or(|known| direction.dot(candidate) > direction.dot(known)) {
+    let mut offer = |candidate: DVec3, slack: f64| {
+        if best.is_none_or(|known| direction.distance(candidate) < direction.distance(known))
+            && inside(candidate, slack)
+        {
             best = Some(candidate);
         }
     };
     for (k, cap) in caps.iter().enumerate() {
-        if let Some(candidate) = cap.nearest(direction).filter(|one| inside(*one, [k; 2])) {
-            offer(candidate);
-        }
-        for (j, other) in caps[..k].iter().enumerate() {
-            if let Some(crossings) = cap.crossings(*other) {
-                for crossing in crossings {
-                    // Rims that do not cross give a point off the sphere.
-                    let on_sphere = (crossing.length_squared() - 1.0).abs() < 1e-6;
-                    if on_sphere && inside(crossing, [j, k]) {
-                        offer(crossing);
-                    }
-                }
+        offer(cap.nearest(direction), cap.slack(caps));
+        for other in &caps[..k] {
+            if let Some((crossings, slack)) = cap.crossings(*other) {
+                let slack = slack.max(cap.slack(caps)).max(other.slack(caps));
+                crossings.into_iter().for_each(|crossing| offer(crossing, slack));
             }
         }
     }
     best
 }
 
-/// The greatest `direction · n` of a direction `n` in all of `caps`, some rounding more; `-∞` if there is none.
+/// No direction in all of `caps` has more of `direction`; `-∞` if there is none.
 pub(crate) fn greatest(direction: DVec3, caps: &[Cap]) -> f64 {
     let length = direction.length();
     match direction.try_normalize() {
         None => 0.0,
         Some(unit) => {
-            nearest(unit, caps).map_or(f64::NEG_INFINITY, |n| length * (unit.dot(n) + 1e-12).min(1.0))
+            nearest(unit, caps).map_or(f64::NEG_INFINITY, |n| length * (unit.dot(n) + 4.0 * COAXIAL))
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Cap, nearest};
+    use super::{COAXIAL, Cap, greatest, nearest};
+    use crate::space::site::angle;
     use glam::DVec3;
 
     fn draw(rng: &mut fastrand::Rng) -> DVec3 {
@@ -113,6 +145,12 @@ mod tests {
         }
     }
 
+    /// A direction so far from another.
+    fn beside(rng: &mut fastrand::Rng, axis: DVec3, angle: f64) -> DVec3 {
+        let across = axis.cross(draw(rng)).normalize_or_zero();
+        angle.cos() * axis + angle.sin() * across
+    }
+
     #[test]
     fn nearest_is_not_beaten_by_samples() {
         let mut rng = fastrand::Rng::with_seed(3);
@@ -120,22 +158,51 @@ mod tests {
         for _ in 0..300 {
             let count = rng.usize(1..6);
             let caps: Vec<Cap> =
-                (0..count).map(|_| Cap { axis: draw(&mut rng), least: rng.f64() * 0.9 - 0.3 }).collect();
+                (0..count).map(|_| Cap::around(draw(&mut rng), 0.3 + 1.8 * rng.f64())).collect();
             let direction = draw(&mut rng);
             let answer = nearest(direction, &caps);
             for _ in 0..300 {
                 let sample = draw(&mut rng);
-                if caps.iter().all(|cap| sample.dot(cap.axis) >= cap.least) {
+                if caps.iter().all(|cap| cap.holds(sample)) {
                     let answer = answer.expect("there is a direction");
-                    assert!(answer.dot(direction) >= sample.dot(direction) - 1e-12);
+                    assert!(answer.dot(direction) >= sample.dot(direction) - 1e-10);
+                    assert!(greatest(direction, &caps) >= sample.dot(direction));
                 }
             }
             if let Some(answer) = answer {
                 found += 1;
-                assert!((answer.length() - 1.0).abs() < 1e-6);
-                assert!(caps.iter().all(|cap| answer.dot(cap.axis) >= cap.least - 1e-9));
+                assert!((answer.length() - 1.0).abs() < 1e-12);
+                assert!(caps.iter().all(|cap| angle(answer, cap.axis) <= cap.angle + 1e-9));
             }
         }
         assert!(found > 100);
+    }
+
+    /// Caps of all sizes down to none, with axes that nearly coincide, around a direction that is in all of them, often on
+    /// their rims: it is not lost, and what is returned misses no cap by more than is said.
+    #[test]
+    fn a_direction_in_all_caps_is_not_lost() {
+        let mut rng = fastrand::Rng::with_seed(4);
+        for _ in 0..50_000 {
+            let kept = draw(&mut rng);
+            let count = rng.usize(2..7);
+            let size = 10_f64.powf(-9.0 * rng.f64());
+            let caps: Vec<Cap> = (0..count)
+                .map(|_| {
+                    let angle = if rng.u8(..5) == 0 { 0.0 } else { size * rng.f64() };
+                    let angle = if rng.u8(..4) == 0 { std::f64::consts::FRAC_PI_2 } else { angle };
+                    let share = if rng.bool() { 1.0 } else { rng.f64() };
+                    Cap::around(beside(&mut rng, kept, angle * share), angle)
+                })
+                .collect();
+            let away = size * rng.f64();
+            let direction = if rng.bool() { draw(&mut rng) } else { beside(&mut rng, kept, away) };
+            let answer = nearest(direction, &caps).expect("the direction that is kept");
+            for cap in &caps {
+                assert!(angle(answer, cap.axis) <= cap.angle + 8.0 * COAXIAL);
+            }
+            assert!(answer.distance(direction) <= kept.distance(direction) + 8.0 * COAXIAL);
+            assert!(greatest(direction, &caps) >= kept.dot(direction));
+        }
     }
 }
