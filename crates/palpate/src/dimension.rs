@@ -40,6 +40,10 @@ pub trait Dimension:
     fn is_finite(self) -> bool;
     /// Along it, of length 1; `None` if it is zero or not finite.
     fn try_normalize(self) -> Option<Self>;
+    /// The inner product.
+    fn dot(self, other: Self) -> f64;
+    /// Its length.
+    fn length(self) -> f64;
     /// The angle between the two, radians, `[0, π]`.
     fn angle_between(self, other: Self) -> f64;
     /// The largest of its coordinates, without their signs.
@@ -87,6 +91,14 @@ impl Dimension for DVec2 {
         Self::try_normalize(self)
     }
 
+    fn dot(self, other: Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    fn length(self) -> f64 {
+        Self::length(self)
+    }
+
     fn angle_between(self, other: Self) -> f64 {
         self.angle_to(other).abs()
     }
@@ -126,6 +138,14 @@ impl Dimension for DVec3 {
 
     fn try_normalize(self) -> Option<Self> {
         Self::try_normalize(self)
+    }
+
+    fn dot(self, other: Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    fn length(self) -> f64 {
+        Self::length(self)
     }
 
     fn angle_between(self, other: Self) -> f64 {

@@ -24,8 +24,10 @@ pub mod recognize;
 pub mod refute;
 pub mod sensor;
 pub mod space;
+mod sweep;
 pub mod tree;
 pub mod why;
+mod witness;
 
 pub use ambiguity::{
     AmbiguityTree, Answers, Branch, Node, Status, TreeMethod, TreeSettings, Verification, plan_tree,

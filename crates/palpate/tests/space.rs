@@ -158,7 +158,7 @@ fn faces_with_normals() {
 #[test]
 fn tips_on_edges_and_vertices() {
     let mut random = Random(fastrand::Rng::with_seed(12));
-    for number in 0..20 {
+    for number in 0..10 {
         let outline = outline(&mut random);
         let model = prism("part", &outline, 20.0 + 60.0 * random.unit());
         let pose = random.pose();
@@ -191,6 +191,128 @@ fn without_normals_within_a_prior() {
             translation: pose.translation + off,
         };
         let prior = palpate::space::Prior::new(middle, 20.0, 15_f64.to_radians()).expect("good input");
+        let evidence = Evidence { contacts, prior: Some(prior), ..Evidence::default() };
+        check(number, &[model], &evidence, pose);
+    }
+}
+
+/// Readings without any error, and with errors far below τ: closed sets that are a single pose, or thin.
+#[test]
+fn exact_readings() {
+    let mut random = Random(fastrand::Rng::with_seed(16));
+    for number in 0..18 {
+        let outline = outline(&mut random);
+        let model = prism("part", &outline, 20.0 + 60.0 * random.unit());
+        let pose = random.pose();
+        let error = [0.0, 1e-9, 1e-4][number % 3];
+        let bounds = Bounds {
+            radius: if number % 2 == 0 { 0.0 } else { 2.0 },
+            position: error,
+            turn: Some([0.0, 1e-9, 1e-6][number / 3 % 3]),
+        };
+        let contacts = (0..6).map(|_| touch_face(&mut random, &model, pose, bounds)).collect();
+        check(number, &[model], &Evidence { contacts, ..Evidence::default() }, pose);
+    }
+}
+
+/// All normals nearly along one line: the part can slide, and turn about it.
+#[test]
+fn nearly_parallel_normals() {
+    let mut random = Random(fastrand::Rng::with_seed(17));
+    for number in 0..30 {
+        let outline = outline(&mut random);
+        let model = prism("part", &outline, 20.0 + 60.0 * random.unit());
+        let pose = random.pose();
+        let bounds = Bounds { radius: 0.0, position: 0.5, turn: Some(0.07) };
+        let mut contacts = Vec::new();
+        while contacts.len() < 3 {
+            let (corners, face) = &model.triangles[random.0.usize(..model.triangles.len())];
+            let normal = model.faces[*face as usize].normal;
+            // Top and bottom.
+            if normal.z.abs() > 0.5 {
+                let point = model.vertices[corners[0] as usize].point * 0.5
+                    + model.vertices[corners[1] as usize].point * 0.5;
+                contacts.push(reading(&mut random, point, normal, pose, bounds));
+            }
+        }
+        check(number, &[model], &Evidence { contacts, ..Evidence::default() }, pose);
+    }
+}
+
+/// Ways and misses that keep clear of the part refute no truth, and what is returned keeps clear of them as well.
+#[test]
+fn free_space() {
+    let mut random = Random(fastrand::Rng::with_seed(18));
+    for number in 0..10 {
+        let outline = outline(&mut random);
+        let model = prism("part", &outline, 20.0 + 60.0 * random.unit());
+        let pose = random.pose();
+        let bounds = Bounds { radius: 0.0, position: 0.5, turn: Some(0.07) };
+        let start = |contact: Contact<DVec3>| {
+            let normal = contact.normal.expect("it has one").direction;
+            contact.with_start(contact.center + 80.0 * normal).expect("good input")
+        };
+        let clear = |from: DVec3, to: DVec3, least: f64| {
+            let at = |k: i32| pose.inverse().apply(from.lerp(to, f64::from(k) / 400.0));
+            (0..=400).all(|k| model.signed_distance(at(k)) > least)
+        };
+        let mut contacts = Vec::new();
+        while contacts.len() < 5 {
+            let contact = touch_face(&mut random, &model, pose, bounds);
+            let away = contact.normal.expect("it has one").direction;
+            let began = contact.center + 80.0 * away;
+            contacts.push(if clear(began, contact.center + 2.0 * away, 1.0) {
+                start(contact)
+            } else {
+                contact
+            });
+        }
+        let mut misses = Vec::new();
+        while misses.len() < 2 {
+            let middle = pose.apply(model.vertices[0].point) + random.direction() * 40.0;
+            let way = random.direction() * 100.0;
+            if clear(middle - way, middle + way, 2.0) {
+                misses.push(palpate::Miss::new(middle - way, middle + way, 1.0, 0.2).expect("good input"));
+            }
+        }
+        let evidence = Evidence { contacts, misses, ..Evidence::default() };
+        check(number, &[Arc::clone(&model)], &evidence, pose);
+        let found = recognize(&[Arc::clone(&model)], &evidence, &Settings::default()).expect("good input");
+        for one in found.hypotheses {
+            for sample in one.poses.sample(4, 1) {
+                for miss in &evidence.misses {
+                    let at = |k: i32| miss.start.lerp(miss.end, f64::from(k) / 400.0);
+                    let nearest = (0..=400).map(|k| model.signed_distance(sample.inverse().apply(at(k))));
+                    assert!(nearest.fold(f64::INFINITY, f64::min) >= 0.8 - 2e-4, "problem {number}");
+                }
+            }
+        }
+    }
+}
+
+/// A part on a table: it turns about the table's normal, tilts a little and slides.
+#[test]
+fn on_a_table() {
+    let mut random = Random(fastrand::Rng::with_seed(19));
+    for number in 0..6 {
+        let outline = outline(&mut random);
+        let model = prism("part", &outline, 20.0 + 60.0 * random.unit());
+        let table = random.direction();
+        let middle = random.pose();
+        let (turn, tilt) = (0.25, 0.02);
+        let across = table.cross(random.direction()).normalize_or_zero();
+        let turned = Pose::new((2.0 * random.unit() - 1.0) * turn * table, DVec3::ZERO).rotation
+            * Pose::new(random.unit() * tilt * across, DVec3::ZERO).rotation;
+        let shift = 15.0 * random.unit() * table.cross(random.direction()).normalize_or_zero();
+        let pose = Pose {
+            rotation: turned * middle.rotation,
+            translation: middle.translation + shift + (random.unit() - 0.5) * table,
+        };
+        let bounds = Bounds { radius: 0.0, position: 0.3, turn: None };
+        let contacts = (0..6).map(|_| touch_face(&mut random, &model, pose, bounds)).collect();
+        let prior = palpate::space::Prior::new(middle, 20.0, turn)
+            .and_then(|prior| prior.on_plane(table, 1.0, tilt))
+            .expect("good input");
         let evidence = Evidence { contacts, prior: Some(prior), ..Evidence::default() };
         check(number, &[model], &evidence, pose);
     }

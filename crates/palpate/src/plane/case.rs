@@ -11,13 +11,13 @@ use std::sync::atomic::Ordering::Relaxed;
 use glam::DVec2;
 
 use super::arc::Arc;
-use super::free::Sweep;
 use super::model::Model;
 use super::pose::Pose;
 use super::site::Site;
 use crate::contact::{Contact, Evidence, GRAZING, Prior};
 use crate::feature::Feature;
 use crate::recognize::Halt;
+use crate::sweep::Sweep;
 
 /// A pose as rotation and the model point at the pivot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,7 +70,7 @@ pub(crate) struct Case {
     pub data: Vec<Datum>,
     pub pivot: DVec2,
     pub prior: Option<Prior>,
-    pub sweeps: Vec<Sweep>,
+    pub sweeps: Vec<Sweep<DVec2>>,
     /// Half of τ, a length: a pose is kept if it is valid with every bound enlarged by it. What is asked of a pose
     /// later allows for all of τ, so that rounding in between does not matter.
     pub length_tolerance: f64,
@@ -96,7 +96,7 @@ impl Case {
         let slacks = (model.position_slack + miss, model.normal_slack + turn);
         let data: Vec<Datum> =
             evidence.contacts.iter().map(|contact| datum(contact, slacks, pivot)).collect();
-        let sweeps = Sweep::all(evidence, model, slacks.0, pivot);
+        let sweeps = Sweep::all(evidence, model.size, slacks.0, pivot);
         let reach = |points: &mut dyn Iterator<Item = DVec2>| points.map(DVec2::length).fold(0.0, f64::max);
         let own_scale = model.size
             + reach(&mut model.faces.iter().flat_map(|face| [face.start, face.end]))

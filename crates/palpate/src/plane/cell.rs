@@ -9,11 +9,12 @@ use glam::{DVec2, dvec2};
 
 use super::arc::{Arc, wrap};
 use super::case::{Case, PivotPose};
-use super::free::{Escapes, Sweep, Wall};
+use super::free::{Escapes, Wall};
 use super::polytope::{HalfSpace, Polytope};
 use super::pose::Pose;
 use super::site::Site;
 use crate::feature::Feature;
+use crate::sweep::Sweep;
 
 /// Above this half width, radians, a cell is only a box: the linear conditions say too little there.
 const WIDEST_POLYTOPE: f64 = 0.35;
@@ -301,7 +302,7 @@ impl Cell {
     fn escapes(
         &self,
         conditions: &Conditions<'_>,
-        sweep: &Sweep,
+        sweep: &Sweep<DVec2>,
         lever: DVec2,
         pose: PivotPose,
     ) -> Option<Escapes> {

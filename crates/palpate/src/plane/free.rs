@@ -11,16 +11,7 @@ use super::case::PivotPose;
 use super::distance::{crossing, segment_to_segment, to_segment};
 use super::model::{Face, Model, Vertex};
 use super::site::Site;
-use crate::contact::Evidence;
-
-/// A swept segment, from the pivot, world frame, and the distance that the part keeps from it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Sweep {
-    start: DVec2,
-    end: DVec2,
-    /// A pose is excluded iff the signed distance of some swept point to the part is smaller.
-    clearance: f64,
-}
+use crate::sweep::Sweep;
 
 /// A swept point, and the side of a line on which it must stay: `normal · (y + R(−θ) lever) >= height`.
 #[derive(Debug, Clone, Copy)]
@@ -45,63 +36,7 @@ const FINEST: f64 = 1e-9;
 /// Arcs around corners are longer by this, radians, than computed.
 const ROUNDING: f64 = 1e-9;
 
-impl Sweep {
-    /// Of every miss, and of every contact that says where its move began.
-    ///
-    /// A contact's own sweep ends its position error short of the centre. The true centre may be off the sensed one
-    /// by that error, hence so may the line on which the tip came: it counts as the path error.
-    ///
-    /// Of each, the part counts that is near enough: the model is somewhere at the first contact.
-    pub fn all(evidence: &Evidence, model: &Model, slack: f64, pivot: DVec2) -> Vec<Self> {
-        let misses = evidence.misses.iter().map(|miss| Self {
-            start: miss.start - pivot,
-            end: miss.end - pivot,
-            clearance: miss.tip_radius - miss.path_error - slack,
-        });
-        let approaches = evidence.contacts.iter().filter_map(|contact| {
-            let start = contact.start?;
-            let way = contact.center - start;
-            let short = way.length() - contact.position_error;
-            (short > 0.0).then(|| Self {
-                start: start - pivot,
-                end: start - pivot + way * (short / way.length()),
-                clearance: contact.tip_radius - contact.position_error - slack,
-            })
-        });
-        let near = evidence.contacts.first().map(|contact| {
-            let reach = model.size + contact.position_error + contact.tip_radius + slack;
-            (contact.center - pivot, reach)
-        });
-        let all = misses.chain(approaches);
-        all.filter_map(|sweep| near.map_or(Some(sweep), |(at, reach)| sweep.clipped(at, 1.01 * reach)))
-            .collect()
-    }
-
-    /// The part of it that may come near a model within `reach` of a place; `None` if it comes nowhere near.
-    fn clipped(self, place: DVec2, reach: f64) -> Option<Self> {
-        let reach = reach + self.clearance.max(0.0);
-        let way = self.end - self.start;
-        let length = way.length();
-        let Some(along) = way.try_normalize() else {
-            return (self.start.distance(place) <= reach).then_some(self);
-        };
-        let foot = along.dot(place - self.start);
-        let aside = along.perp_dot(place - self.start).abs();
-        let half = (reach * reach - aside * aside).max(0.0).sqrt();
-        let (from, to) = ((foot - half).max(0.0), (foot + half).min(length));
-        // A sweep that is needed whole is kept as it was given.
-        let cut = |t: f64| {
-            if t <= 0.0 {
-                self.start
-            } else if t >= length {
-                self.end
-            } else {
-                self.start + t * along
-            }
-        };
-        (aside <= reach && from <= to).then(|| Self { start: cut(from), end: cut(to), ..self })
-    }
-
+impl Sweep<DVec2> {
     /// Whether every point of the sweep keeps its distance at `pose`, within `slack`.
     pub fn free(&self, model: &Model, pose: PivotPose, slack: f64) -> bool {
         !self.intrudes(model, pose, -slack)
@@ -216,11 +151,6 @@ impl Sweep {
             }
         }
         None
-    }
-
-    /// The largest distance of a swept point from the pivot.
-    pub fn reach(&self) -> f64 {
-        self.start.length().max(self.end.length())
     }
 }
 

@@ -9,6 +9,10 @@ use super::arc::Arc;
 use super::case::PivotPose;
 use super::cell::{Cell, Conditions};
 use crate::nearest::Nearest;
+use crate::witness;
+
+/// A pose that satisfies the conditions.
+pub(crate) type Witness = witness::Witness<PivotPose>;
 
 /// Rotations are first divided into cells of at most this half width, radians.
 const FIRST_HALF: f64 = 0.08;
@@ -30,16 +34,6 @@ const NUM_CUTS: usize = 6;
 
 /// The looseness that an enclosure may have, as a share of the size of what it encloses.
 const RESOLUTION: f64 = 0.01;
-
-/// A pose that satisfies the conditions.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Witness {
-    pub pose: PivotPose,
-    /// It does so only with bounds enlarged by τ.
-    pub marginal: bool,
-    /// The search met its limit: it may not be one. What it stands for is kept, so that nothing true is lost.
-    pub undecided: bool,
-}
 
 /// Cells that hold every pose that satisfies the conditions, and one such pose.
 #[derive(Debug, Clone)]

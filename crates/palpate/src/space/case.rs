@@ -9,7 +9,6 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DMat3, DVec3};
 
-use super::free::Sweep;
 use super::model::Model;
 use super::pose::{self, Pose};
 use super::prior::Prior;
@@ -17,6 +16,7 @@ use super::site::{Reading, Site, angle};
 use crate::contact::{Contact, Evidence};
 use crate::feature::Feature;
 use crate::recognize::Halt;
+use crate::sweep::Sweep;
 
 /// A pose as the rotation into the model's frame and the model point at the pivot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +52,7 @@ pub(crate) struct Case {
     pub data: Vec<Datum>,
     pub pivot: DVec3,
     pub prior: Option<Prior>,
-    pub sweeps: Vec<Sweep>,
+    pub sweeps: Vec<Sweep<DVec3>>,
     /// Half of τ, a length: a pose is kept if it is valid with every bound enlarged by it. What is asked of a pose
     /// later allows for all of τ, so that rounding in between does not matter.
     pub length_tolerance: f64,
@@ -78,7 +78,7 @@ impl Case {
         let slacks = (model.position_slack + miss, model.normal_slack + turn);
         let data: Vec<Datum> =
             evidence.contacts.iter().map(|contact| datum(contact, slacks, pivot)).collect();
-        let sweeps = Sweep::all(evidence, model, slacks.0, pivot);
+        let sweeps = Sweep::all(evidence, model.size, slacks.0, pivot);
         let reach = |points: &mut dyn Iterator<Item = DVec3>| points.map(DVec3::length).fold(0.0, f64::max);
         let scale = model.size
             + reach(&mut model.vertices.iter().map(|vertex| vertex.point))

@@ -1,50 +1,25 @@
-//! A cell of pose space, and linear conditions that hold for every valid pose in it.
+//! A cell of pose space.
 //!
-//! Rotations are written in a chart, `S = exp(v) S₀`, with `v` in a box: boxes of one chart nest exactly. About the
-//! middle `v₀`, with `A = exp(v₀) S₀`, J the left Jacobian at `v₀` and `v = v₀ + d`,
-//!
-//! `S c = A c + (J d) × A c + ρ`,  `|ρ| ≤ ½ (1 + |v|/6) |d|² |c|`
-//!
-//! (the angular velocity along a straight line of the chart changes by no more than `|v| |d|²/6`; proof in
-//! docs/theory.md). So every condition `u·(y + S c) ≤ b` implies one that is linear in `(d, y)`, loose by a second-order
-//! term only: few cells are tight. (MATH 2.1.2 is loose by `|d| |c|`.)
+//! Rotations are written in a chart, `S = exp(v) S₀`, with `v` in a box: boxes of one chart nest exactly, and no rotation
+//! of one is further from another than their vectors.
 
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
 
 use super::case::{Case, PivotPose};
-use super::free::Sweep;
+use super::linear::{Cut, WIDTH, left_jacobian, row};
 use super::lp::{self, Row};
 use super::pose::{Pose, rotation, vector};
-use super::site::{Site, angle};
+use super::site::Site;
 use crate::feature::Feature;
-
-/// `(d, y − y₀, share)`: the last is how much of every bound is left, as a share.
-pub(crate) const WIDTH: usize = 7;
+use crate::sweep::Sweep;
 
 /// The largest share that is asked for.
 const MOST_SHARE: f64 = 1e3;
 
-/// Bounds below this share of the part count as so much where shares are compared.
-const LEAST_SHARE: f64 = 1e-3;
-
 /// Above this radius, radians, the linear conditions say too little.
 const WIDEST: f64 = 1.2;
-
-/// A site of each of so many features is bounded by all their directions, more by those of a box.
-const FEW_SITES: usize = 4;
-
-/// A direction in which a candidate was found to miss a condition: of its place, or of its normal.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Cut {
-    condition: usize,
-    direction: DVec3,
-    of_normal: bool,
-}
-
-/// A cell keeps its last cuts.
-const MOST_CUTS: usize = 40;
 
 /// A part of pose space.
 #[derive(Debug, Clone)]
@@ -58,7 +33,7 @@ pub(crate) struct Cell {
     /// For each condition, the sites that are left in the cell, as numbers among the condition's.
     pub left: Vec<Vec<u32>>,
     /// Directions that its linear conditions have beside those of the sites.
-    pub cuts: Vec<Cut>,
+    pub(super) cuts: Vec<Cut>,
 }
 
 /// Contacts on sites: the conditions that a pose must satisfy together.
@@ -237,124 +212,6 @@ impl Cell {
             })
     }
 
-    /// Linear conditions in `(d, y − y₀, share)`; `at_middle`: those of the first order, that hold for the middle.
-    pub fn rows(&self, conditions: &Conditions<'_>, at_middle: bool) -> Vec<Row<WIDTH>> {
-        let linear = Linear::new(self, conditions, at_middle);
-        let mut rows = Vec::with_capacity(24 * conditions.sites.len());
-        let mut directions = Vec::new();
-        for condition in 0..conditions.sites.len() {
-            let left = || self.left_of(conditions, condition);
-            directions.clear();
-            let mean: DVec3 = left().map(Site::mean_normal).sum();
-            let mean = mean.try_normalize();
-            let (a, b) = mean.unwrap_or(DVec3::Z).any_orthonormal_pair();
-            if left().count() <= FEW_SITES {
-                left().for_each(|site| site.directions(&mut directions));
-            } else {
-                let mean = mean.unwrap_or(DVec3::Z);
-                directions.extend([mean, -mean, a, -a, b, -b]);
-            }
-            rows.extend(directions.iter().filter_map(|direction| linear.of_place(condition, *direction)));
-            if let Some(mean) = mean {
-                let around = (0..8).map(|k| {
-                    let (sine, cosine) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
-                    cosine * a + sine * b
-                });
-                let of_normal = |direction| linear.of_normal(condition, direction);
-                rows.extend(around.chain([-mean]).filter_map(of_normal));
-            }
-        }
-        rows.extend(self.cuts.iter().filter_map(|cut| {
-            if cut.of_normal {
-                linear.of_normal(cut.condition, cut.direction)
-            } else {
-                linear.of_place(cut.condition, cut.direction)
-            }
-        }));
-        self.prior_rows(conditions, at_middle, &mut rows);
-        rows
-    }
-
-    /// The sites of a condition that are left.
-    fn left_of<'a>(
-        &self,
-        conditions: &'a Conditions<'_>,
-        condition: usize,
-    ) -> impl Iterator<Item = &'a Site> {
-        let sites = &conditions.sites[condition].1;
-        self.left[condition].iter().map(move |number| &sites[*number as usize])
-    }
-
-    /// Adds the directions in which a pose misses its conditions.
-    pub fn cut_at(&mut self, conditions: &Conditions<'_>, pose: PivotPose) {
-        let case = conditions.case;
-        for (condition, (contact, sites)) in conditions.sites.iter().enumerate() {
-            let datum = &case.data[*contact];
-            let left = || self.left[condition].iter().map(|number| &sites[*number as usize]);
-            if let Some((axis, error)) = datum.reading.sensed {
-                let axis = pose.rotation * axis;
-                let nearest = left().map(|site| site.nearest_normal(axis));
-                let nearest = nearest.max_by(|a, b| a.dot(axis).total_cmp(&b.dot(axis)));
-                let away = nearest.filter(|nearest| angle(*nearest, axis) > error + conditions.angle);
-                let direction = away.and_then(|nearest| (axis - axis.dot(nearest) * nearest).try_normalize());
-                if let Some(direction) = direction {
-                    self.cuts.push(Cut { condition, direction, of_normal: true });
-                    continue;
-                }
-            }
-            let caps = datum.reading.caps(conditions.angle, |axis| pose.rotation * axis);
-            let place = pose.place(datum.lever);
-            let nearest = left().filter_map(|site| site.nearest(place, &caps));
-            let nearest =
-                nearest.min_by(|a, b| a.distance_squared(place).total_cmp(&b.distance_squared(place)));
-            let away = nearest.map(|nearest| place - nearest).filter(|away| away.length() > datum.bound);
-            if let Some(direction) = away.and_then(DVec3::try_normalize) {
-                self.cuts.push(Cut { condition, direction, of_normal: false });
-            }
-        }
-        let surplus = self.cuts.len().saturating_sub(MOST_CUTS);
-        self.cuts.drain(..surplus);
-    }
-
-    /// The prior's: of its translation, as far as it is linear; rotations are left to `allowed`.
-    fn prior_rows(&self, conditions: &Conditions<'_>, at_middle: bool, rows: &mut Vec<Row<WIDTH>>) {
-        let case = conditions.case;
-        let Some(prior) = case.prior else { return };
-        let turn = self.rotation();
-        let jacobian = left_jacobian(self.v).transpose();
-        let mut both = |axis: DVec3, most: f64| {
-            if !most.is_finite() {
-                return;
-            }
-            // axis·T = axis·pivot − (S axis)·y
-            let turned = turn * axis;
-            let about = jacobian * turned.cross(self.y);
-            let loose = if at_middle {
-                0.0
-            } else {
-                chord(self.radius()) * self.y_half.length()
-                    + self.looseness() * (self.y.length() + self.y_half.length())
-            };
-            let from = axis.dot(case.pivot - prior.world_from_model.translation) - turned.dot(self.y);
-            let most = most + conditions.slack + case.outward() + loose;
-            let share = most.max(1e-3 * case.model.size);
-            rows.push(row(-about, -turned, share, most - from));
-            rows.push(row(about, turned, share, most + from));
-        };
-        match prior.lying {
-            None => DVec3::AXES.into_iter().for_each(|axis| both(axis, prior.translation)),
-            Some(lying) => {
-                both(lying.normal, lying.height);
-                let (a, b) = (
-                    lying.normal.any_orthonormal_vector(),
-                    lying.normal.cross(lying.normal.any_orthonormal_vector()),
-                );
-                both(a, prior.translation);
-                both(b, prior.translation);
-            }
-        }
-    }
-
     fn half_widths(&self, share: f64) -> [f64; WIDTH] {
         let (v, y) = (self.v_half, self.y_half);
         [v.x, v.y, v.z, y.x, y.y, y.z, share]
@@ -506,83 +363,11 @@ impl Cell {
     }
 }
 
-/// Conditions about the middle of a cell.
-struct Linear<'a> {
-    cell: &'a Cell,
-    conditions: &'a Conditions<'a>,
-    turn: DMat3,
-    /// The transpose of J.
-    jacobian: DMat3,
-    radius: f64,
-    loose: f64,
-}
-
-impl<'a> Linear<'a> {
-    fn new(cell: &'a Cell, conditions: &'a Conditions<'a>, at_middle: bool) -> Self {
-        let radius = if at_middle { 0.0 } else { cell.radius() };
-        let loose = if at_middle { 0.0 } else { cell.looseness() };
-        let jacobian = left_jacobian(cell.v).transpose();
-        Self { cell, conditions, turn: cell.rotation(), jacobian, radius, loose }
-    }
-
-    /// No place of the condition's contact is beyond its sites by more than its bound, along `direction`.
-    fn of_place(&self, condition: usize, direction: DVec3) -> Option<Row<WIDTH>> {
-        let case = self.conditions.case;
-        let datum = &case.data[self.conditions.sites[condition].0];
-        let caps = datum.reading.caps(self.conditions.angle + self.radius, |axis| self.turn * axis);
-        let supports =
-            self.cell.left_of(self.conditions, condition).map(|site| site.support(direction, &caps));
-        let farthest = supports.fold(f64::NEG_INFINITY, f64::max);
-        let lever = self.turn * datum.lever;
-        let bound =
-            datum.bound + self.conditions.slack + case.outward() + self.loose * lever.length() + farthest
-                - direction.dot(self.cell.y + lever);
-        let share = datum.bound.max(LEAST_SHARE * case.model.size);
-        let about = self.jacobian * lever.cross(direction);
-        (farthest > f64::NEG_INFINITY).then(|| row(about, direction, share, bound))
-    }
-
-    /// No reading of the condition's normal is beyond its sites' by more than its bound, towards `direction`.
-    fn of_normal(&self, condition: usize, direction: DVec3) -> Option<Row<WIDTH>> {
-        let case = self.conditions.case;
-        let (axis, error) = case.data[self.conditions.sites[condition].0].reading.sensed?;
-        let axis = self.turn * axis;
-        let sites = self.cell.left_of(self.conditions, condition);
-        let nearest = sites.map(|site| site.normal_distance(direction)).fold(f64::INFINITY, f64::min);
-        let within = (nearest - error - self.conditions.angle - 1e-12).max(0.0).cos();
-        let bound = within + 1e-12 + self.loose - direction.dot(axis);
-        let about = self.jacobian * axis.cross(direction);
-        (within < 1.0).then(|| row(about, DVec3::ZERO, error.max(LEAST_SHARE), bound))
-    }
-}
-
-fn row(about: DVec3, direction: DVec3, share: f64, bound: f64) -> Row<WIDTH> {
-    let normal = [about.x, about.y, about.z, direction.x, direction.y, direction.z, share];
-    Row { normal, bound }
-}
-
 /// How far a unit lever moves when turned.
-fn chord(angle: f64) -> f64 {
+pub(super) fn chord(angle: f64) -> f64 {
     2.0 * (0.5 * angle.min(std::f64::consts::PI)).sin()
 }
 
 fn widest(half: DVec3) -> usize {
     (0..3).max_by(|a, b| half[*a].total_cmp(&half[*b])).unwrap_or(0)
-}
-
-/// `J` with `exp(v + d) ≈ exp(J d) exp(v)`.
-fn left_jacobian(v: DVec3) -> DMat3 {
-    let square = v.length_squared();
-    let size = square.sqrt();
-    let (first, second) = if size < 1e-4 {
-        (0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0)
-    } else {
-        ((1.0 - size.cos()) / square, (size - size.sin()) / (square * size))
-    };
-    let cross = cross_matrix(v);
-    DMat3::IDENTITY + cross * first + cross * cross * second
-}
-
-fn cross_matrix(v: DVec3) -> DMat3 {
-    DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
 }

@@ -11,6 +11,7 @@ mod facets;
 mod free;
 mod gap;
 mod hypotheses;
+mod linear;
 mod lp;
 mod mesh;
 mod model;

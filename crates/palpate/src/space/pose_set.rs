@@ -300,7 +300,7 @@ impl PoseSet {
     /// The extent of all cells in a direction: `measure` gives the middle of a cell, and how far it reaches either way.
     fn width(
         &self,
-        measure: impl Fn(&Cell, &[super::lp::Row<{ super::cell::WIDTH }>]) -> (f64, f64, f64),
+        measure: impl Fn(&Cell, &[super::lp::Row<{ super::linear::WIDTH }>]) -> (f64, f64, f64),
     ) -> f64 {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (piece, cells) in self.pieces.iter().zip(self.cells()) {

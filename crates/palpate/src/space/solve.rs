@@ -13,6 +13,10 @@ use super::cell::{Cell, Conditions};
 use super::pose;
 use super::site::{Site, angle};
 use crate::nearest::Nearest;
+use crate::witness;
+
+/// A pose that satisfies the conditions.
+pub(crate) type Witness = witness::Witness<PivotPose>;
 
 /// Cells examined for a witness at most. A set that is neither found nor refuted by then is kept as marginal.
 const MOST_EXAMINED: u32 = 20_000;
@@ -37,16 +41,6 @@ const NUM_SPINS: u32 = 11;
 
 /// Two normals that leave rotations within this angle, radians, are good for a chart.
 const GOOD_BALL: f64 = 1.0;
-
-/// A pose that satisfies the conditions.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Witness {
-    pub pose: PivotPose,
-    /// It does so only with bounds enlarged by τ.
-    pub marginal: bool,
-    /// The search met its limit: it may not be one. What it stands for is kept, so that nothing true is lost.
-    pub undecided: bool,
-}
 
 /// A witness, or the certificate that there is none.
 pub(crate) fn witness(conditions: &Conditions<'_>) -> Option<Witness> {

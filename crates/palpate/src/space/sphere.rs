@@ -112,7 +112,9 @@ pub(crate) fn nearest(direction: DVec3, caps: &[Cap]) -> Option<DVec3> {
         for other in &caps[..k] {
             if let Some((crossings, slack)) = cap.crossings(*other) {
                 let slack = slack.max(cap.slack(caps)).max(other.slack(caps));
-                crossings.into_iter().for_each(|crossing| offer(crossing, slack));
+                for crossing in crossings {
+                    offer(crossing, slack);
+                }
             }
         }
     }
