@@ -5,7 +5,8 @@ outlines, and holes of the ones around them; several outlines are several models
 where nothing is closed, the lines are loose faces. Curves become chords, and the model says what that costs:
 `position_slack` and `normal_slack` are added to the bounds of every contact.
 
-STL, OBJ, PLY, OFF, 3MF and STEP files are solids; bodies that don't meet are several models, as outlines are.
+STL, OBJ, PLY, OFF, 3MF and STEP files are solids, which `Model` can't hold yet (`palpate.solids` reads them as arrays);
+bodies that don't meet are several models, as outlines are.
 """
 
 from __future__ import annotations
@@ -48,8 +49,8 @@ def load_models(
     """Models of files, folders and bundled parts, in this order; a folder's files by name.
 
     Args:
-        paths: JSON, DXF, SVG, STL, OBJ, PLY, OFF, 3MF and STEP files, folders of them, or names of bundled
-            parts such as "boot".
+        paths: JSON, DXF and SVG files, folders of them, or names of bundled parts such as "boot". Files of
+            solids are read as soon as `Model` can hold them.
         unit: Unit of the models that are returned; files in another one are converted.
         flattening: How far chords may be from their curves, triangles from the surfaces of a STEP file, and
             ends that are to be joined from each other, in `unit`. Else 0.05 mm.
