@@ -5,8 +5,8 @@ outlines, and holes of the ones around them; several outlines are several models
 where nothing is closed, the lines are loose faces. Curves become chords, and the model says what that costs:
 `position_slack` and `normal_slack` are added to the bounds of every contact.
 
-STL, OBJ, PLY, OFF, 3MF and STEP files are solids, which `Model` can't hold yet (`palpate.solids` reads them as arrays);
-bodies that don't meet are several models, as outlines are.
+STL, OBJ, PLY, OFF, 3MF and STEP files are solids, which `Model` can't hold yet: `palpate.solids` reads them as
+arrays. Bodies that don't meet are several models, as outlines are.
 """
 
 from __future__ import annotations
