@@ -10,7 +10,7 @@ Sections (2.1 and so on) are those of R. E. Ellis, *A Tactile Sensing Strategy f
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, Final, Literal, NoReturn, final, overload
 
-from numpy import bool_, float64
+from numpy import bool_, float64, uint32
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
@@ -55,8 +55,10 @@ __version__: Final[str]
 class Model:
     """A part: its faces, its corners and the motions that map it onto itself (2.1).
 
-    In the plane a face is a line segment, with its outward normal on the right of `start → end`. Made by `polygon`,
-    `segments` or `palpate.load_models`. Immutable; equal if all numbers are equal; can be pickled.
+    In the plane a face is a line segment, with its outward normal on the right of `start → end`; in space it is flat, its
+    loop counter-clockwise as seen from outside, and edges are where faces meet. Made by `polygon` or `segments` in the
+    plane, by `mesh` or `facets` in space, or by `palpate.load_models`. Shapes below name the dimension `d`, 2 or 3.
+    Immutable; equal if all numbers are equal; can be pickled.
     """
 
     def __new__(cls, *arguments: NoReturn, **keywords: NoReturn) -> Model: ...
@@ -121,36 +123,122 @@ class Model:
                 untouchable, a slack that is negative, any number that is not finite.
         """
 
+    @classmethod
+    def mesh(
+        cls,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        *,
+        name: str = "part",
+        untouchable: Sequence[int] = (),
+        position_slack: float = 0.0,
+        normal_slack: float = 0.0,
+        mends: Sequence[str] = (),
+    ) -> Model:
+        """A part in space, bounded by triangles.
+
+        Triangles that lie in one plane and hang together become one face. Doubled vertices, triangles without area,
+        repeated ones or two that face each other, corners on the inside of another triangle's edge, triangles wound
+        against their neighbours and surfaces turned inside out are mended, and `mends` says so. A closed surface within
+        another one bounds a cavity. Meshes that cross themselves are not noticed: unite such bodies before. What corners
+        are off their faces' planes is added to the slacks.
+
+        Args:
+            vertices: Corners, shape `(n, 3)`, model frame.
+            triangles: Numbers of corners, counter-clockwise as seen from outside, shape `(m, 3)`.
+            name: What to call it in answers and pictures.
+            untouchable: Numbers of triangles as given that are in the way of a probe but never its answer.
+            position_slack: How far the true surface may lie from the faces; added to every contact's position error.
+            normal_slack: How far the true normal may turn from the faces'; added to every contact's normal error.
+            mends: What was mended before, as a reader of files does; put before the model's own.
+
+        Raises:
+            ValueError: Another shape, a vertex or triangle number out of range, no triangle that has an area, a slack that is
+                negative, any number that is not finite.
+        """
+
+    @classmethod
+    def facets(
+        cls,
+        loops: Sequence[ArrayLike] | Sequence[Sequence[ArrayLike]],
+        *,
+        name: str = "part",
+        seams: Sequence[int] = (),
+        untouchable: Sequence[int] = (),
+        position_slack: float = 0.0,
+        normal_slack: float = 0.0,
+        mends: Sequence[str] = (),
+    ) -> Model:
+        """A part in space given by loose faces: it need not be closed (2.1).
+
+        Corners that coincide form one vertex; a corner on the inside of another face's side divides it. What corners are
+        off their faces' planes is added to the slacks.
+
+        Args:
+            loops: Each face by its corners, shape `(k, 3)`, model frame, counter-clockwise as seen from outside; or by a list
+                of such loops, the outer one first, then those of its holes.
+            name: What to call it in answers and pictures.
+            seams: Numbers of faces that are not there: where two pieces of one part meet.
+            untouchable: Numbers of faces that are in the way of a probe but never its answer.
+            position_slack: How far the true surface may lie from the faces; added to every contact's position error.
+            normal_slack: How far the true normal may turn from the faces'; added to every contact's normal error.
+            mends: What was mended before, as a reader of files does; put before the model's own.
+
+        Raises:
+            ValueError: Another shape, no face that is there, a face without area or whose corners are off its plane, loops
+                that cross, a hole outside its face, faces that bound a region from inside, a number out of range or named as
+                both seam and untouchable, a slack that is negative, any number that is not finite.
+        """
+
     @property
     def name(self) -> str:
         """Its name."""
     @property
     def dimension(self) -> int:
-        """2: the plane."""
+        """d: 2 in the plane, 3 in space."""
     @property
     def faces(self) -> list[NDArray[float64]]:
-        """Start and end of each face, shape `(2, 2)`, model frame, in face-number order."""
+        """Corners of each face, model frame, in face-number order.
+
+        In the plane start and end, shape `(2, 2)`; in space the outer loop, shape `(k, 3)`.
+        """
+    @property
+    def face_loops(self) -> list[list[NDArray[float64]]]:
+        """The same with the loops of holes, clockwise as seen from outside, after each outer one."""
     @property
     def edges(self) -> list[NDArray[float64]]:
-        """Empty in the plane."""
+        """Ends of each edge, shape `(2, 3)`, model frame, in edge-number order. None in the plane."""
     @property
     def vertices(self) -> NDArray[float64]:
-        """Corners, shape `(k, 2)`, model frame, in vertex-number order."""
+        """Corners, shape `(k, d)`, model frame, in vertex-number order."""
     @property
     def face_normals(self) -> NDArray[float64]:
-        """Unit outward normals, shape `(n, 2)`, model frame."""
+        """Unit outward normals, shape `(n, d)`, model frame."""
     @property
     def face_surfaces(self) -> list[Literal["touchable", "untouchable", "seam"]]:
         """What each face is to a probe."""
     @property
+    def touchable_edges(self) -> NDArray[bool_]:
+        """Whether each edge is convex and both its faces can be touched, shape `(e,)`. Empty in the plane."""
+    @property
     def touchable_vertices(self) -> NDArray[bool_]:
-        """Whether each corner is convex and both its faces can be touched, shape `(k,)`."""
+        """Whether a tip can rest on each corner: it is convex and its faces can be touched, shape `(k,)`."""
+    @property
+    def triangles(self) -> NDArray[uint32]:
+        """Numbers of corners of triangles that make up all faces but seams, shape `(m, 3)`. Empty in the plane."""
+    @property
+    def triangle_faces(self) -> NDArray[uint32]:
+        """The face of each triangle, shape `(m,)`."""
     @property
     def symmetries(self) -> NDArray[float64]:
-        """The motions that map it onto itself, the identity first, shape `(s, 3, 3)`, model frame."""
+        """The motions that map it onto itself, the identity first, shape `(s, d + 1, d + 1)`, model frame."""
     @property
-    def symmetry_axes(self) -> list[NDArray[float64]]:
-        """Axes of continuous symmetry. Empty in the plane."""
+    def symmetry_axes(self) -> list[tuple[NDArray[float64], NDArray[float64]]]:
+        """Axes of continuous symmetry: a point and the unit direction of each, shape `(3,)`, model frame.
+
+        Any turn about one maps the part onto itself, within its slacks. A ball has three through its centre; most parts and
+        all in the plane have none.
+        """
     @property
     def position_slack(self) -> float:
         """Added to every contact's position error."""
@@ -171,7 +259,7 @@ class Model:
     ) -> FirstContact | None:
         """What a round tip meets first on its straight way, the part being at a pose: exact, without any error (3.2).
 
-        A point that meets a corner meets one of its faces.
+        A point that meets a corner meets one of its faces. In the plane only.
 
         Args:
             world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
@@ -184,15 +272,16 @@ class Model:
             What is met; None if nothing is, however far the tip goes.
 
         Raises:
-            ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite.
+            ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite; a
+                part in space.
         """
 
     def distance(self, world_from_model: ArrayLike, point: ArrayLike) -> float:
         """How far a point is from the part at a pose; negative inside, if the part is closed.
 
         Args:
-            world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
-            point: The point, shape `(2,)`, world frame.
+            world_from_model: Where the part is, a rigid motion, shape `(d + 1, d + 1)`.
+            point: The point, shape `(d,)`, world frame.
 
         Raises:
             ValueError: Another shape, no rigid motion, a number that is not finite.
@@ -230,8 +319,8 @@ class FirstContact:
 class Contact:
     """The tip of a probe rests on the part (2.2).
 
-    The tip is a disc of `tip_radius` whose centre is within `position_error` of `center`; a measured surface point
-    is the case of radius zero. Immutable; equal if all numbers are equal; can be pickled.
+    The tip is a disc, in space a ball, of `tip_radius` whose centre is within `position_error` of `center`; a measured
+    surface point is the case of radius zero. All vectors have d coordinates: 2 in the plane, 3 in space. Immutable; equal if all numbers are equal; can be pickled.
     """
 
     def __new__(
@@ -247,13 +336,13 @@ class Contact:
         """A measured surface point.
 
         Args:
-            point: Sensed point, shape `(2,)`, world frame.
-            normal: Sensed outward normal, shape `(2,)`, world frame, of any length but zero; None if not sensed.
+            point: Sensed point, shape `(d,)`, world frame.
+            normal: Sensed outward normal, shape `(d,)`, world frame, of any length but zero; None if not sensed.
             position_error: The true point is within this distance of `point`; zero or more.
             normal_error: The true normal is within this angle of `normal`; radians, at most π/2. Given if and only if
                 `normal` is.
-            approach: Direction of travel, pointing into the part, shape `(2,)`, world frame, of any length but zero.
-            start: Where the guarded move began, shape `(2,)`, world frame: the way from there was free.
+            approach: Direction of travel, pointing into the part, shape `(d,)`, world frame, of any length but zero.
+            start: Where the guarded move began, shape `(d,)`, world frame: the way from there was free.
 
         Raises:
             ValueError: Another shape, a zero direction, a negative bound, one of `normal` and `normal_error` alone,
@@ -275,13 +364,13 @@ class Contact:
         """A contact of a round tip.
 
         Args:
-            center: Sensed centre of the tip, shape `(2,)`, world frame.
+            center: Sensed centre of the tip, shape `(d,)`, world frame.
             tip_radius: Radius of the tip; zero or more.
             position_error: The true centre is within this distance of `center`; zero or more.
             approach: As for a measured point.
             normal: As for a measured point.
             normal_error: As for a measured point.
-            start: Where the centre of the tip began its guarded move, shape `(2,)`, world frame.
+            start: Where the centre of the tip began its guarded move, shape `(d,)`, world frame.
 
         Raises:
             ValueError: As for a measured point, and a negative radius.
@@ -289,7 +378,7 @@ class Contact:
 
     @property
     def center(self) -> NDArray[float64]:
-        """Sensed centre of the tip, shape `(2,)`, world frame."""
+        """Sensed centre of the tip, shape `(d,)`, world frame."""
     @property
     def tip_radius(self) -> float:
         """Radius of the tip; zero for a measured point."""
@@ -298,16 +387,16 @@ class Contact:
         """Bound on the distance of the true centre."""
     @property
     def normal(self) -> NDArray[float64] | None:
-        """Sensed outward normal, made unit, shape `(2,)`, world frame."""
+        """Sensed outward normal, made unit, shape `(d,)`, world frame."""
     @property
     def normal_error(self) -> float | None:
         """Bound on the angle of the true normal; radians."""
     @property
     def approach(self) -> NDArray[float64] | None:
-        """Direction of travel, made unit, shape `(2,)`, world frame."""
+        """Direction of travel, made unit, shape `(d,)`, world frame."""
     @property
     def start(self) -> NDArray[float64] | None:
-        """Where the guarded move began, shape `(2,)`, world frame."""
+        """Where the guarded move began, shape `(d,)`, world frame."""
     def __eq__(self, other: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
@@ -316,7 +405,7 @@ class Contact:
 class Miss:
     """A guarded move that touched nothing: the tip swept from `start` to `end` freely.
 
-    Immutable; equal if all numbers are equal; can be pickled.
+    Both have d coordinates: 2 in the plane, 3 in space. Immutable; equal if all numbers are equal; can be pickled.
     """
 
     def __new__(
@@ -325,8 +414,8 @@ class Miss:
         """A free sweep.
 
         Args:
-            start: Where the centre of the tip began, shape `(2,)`, world frame.
-            end: Where it ended, shape `(2,)`, world frame.
+            start: Where the centre of the tip began, shape `(d,)`, world frame.
+            end: Where it ended, shape `(d,)`, world frame.
             tip_radius: Radius of the tip; zero or more.
             path_error: How far the tip may have left its line; zero or more.
 
@@ -336,10 +425,10 @@ class Miss:
 
     @property
     def start(self) -> NDArray[float64]:
-        """Where the centre of the tip began, shape `(2,)`, world frame."""
+        """Where the centre of the tip began, shape `(d,)`, world frame."""
     @property
     def end(self) -> NDArray[float64]:
-        """Where it ended, shape `(2,)`, world frame."""
+        """Where it ended, shape `(d,)`, world frame."""
     @property
     def tip_radius(self) -> float:
         """Radius of the tip."""
@@ -352,7 +441,7 @@ class Miss:
 
 @final
 class Prior:
-    """What is known of the pose beforehand: a box of translations and a range of rotations.
+    """What is known of the pose beforehand: a range of translations and of rotations.
 
     Immutable; equal if all numbers are equal; can be pickled.
     """
@@ -361,7 +450,7 @@ class Prior:
         """Poses around a middle one.
 
         Args:
-            world_from_model: The middle of the range, a rigid motion, shape `(3, 3)`.
+            world_from_model: The middle of the range, a rigid motion, shape `(3, 3)` in the plane, `(4, 4)` in space.
             translation: Each component of the translation is within this of the middle's; zero or more.
             rotation: The rotation is within this angle of the middle's; radians, zero to π (free).
 
@@ -369,15 +458,49 @@ class Prior:
             ValueError: Another shape, a matrix that is no rigid motion, a bound that is negative or not finite.
         """
 
+    @classmethod
+    def on_plane(
+        cls,
+        world_from_model: ArrayLike,
+        *,
+        translation: float,
+        rotation: float,
+        height: float,
+        tilt: float,
+        normal: ArrayLike = (0, 0, 1),
+    ) -> Prior:
+        """Poses in space of a part that lies on a plane, such as a table, around a middle one.
+
+        Args:
+            world_from_model: The middle of the range, a rigid motion, shape `(4, 4)`.
+            translation: The translation along the plane is within this of the middle's; zero or more.
+            rotation: The turn about the plane's normal, after the tilt, is within this angle; radians, zero to π (free).
+            height: The translation along the normal is within this of the middle's; zero or more.
+            tilt: The part may tilt by this angle; radians, zero (it lies as in the middle) to π.
+            normal: Normal of the plane, shape `(3,)`, world frame, of any length but zero.
+
+        Raises:
+            ValueError: Another shape, a matrix that is no rigid motion, a zero normal, a bound that is negative or not finite.
+        """
+
     @property
     def world_from_model(self) -> NDArray[float64]:
-        """The middle of the range, shape `(3, 3)`."""
+        """The middle of the range, shape `(d + 1, d + 1)`."""
     @property
     def translation(self) -> float:
-        """Bound on each component of the translation."""
+        """Bound on each component of the translation; on a plane, on its length along it."""
     @property
     def rotation(self) -> float:
-        """Bound on the rotation; radians."""
+        """Bound on the rotation; on a plane, about its normal; radians."""
+    @property
+    def height(self) -> float | None:
+        """Bound on the translation along the plane's normal; None of a part that lies on none."""
+    @property
+    def tilt(self) -> float | None:
+        """Bound on the tilt, radians; None of a part that lies on no plane."""
+    @property
+    def normal(self) -> NDArray[float64] | None:
+        """Unit normal of the plane, shape `(3,)`, world frame; None of a part that lies on none."""
     def __eq__(self, other: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
@@ -399,9 +522,10 @@ def recognize(
     and pose are in the answer; and every hypothesis has a pose that satisfies every contact, to the tolerance.
 
     Args:
-        models: The parts that it may be. Their unit is that of all lengths.
+        models: The parts that it may be, all of the plane or all of space. Their unit is that of all lengths.
         contacts: What was touched, at least one; their order doesn't change the answer.
-        features: Kinds of features that contacts may lie on. None: faces, and vertices if a tip has a radius.
+        features: Kinds of features that contacts may lie on: some of `"face"`, `"vertex"` and, in space, `"edge"`. None:
+            faces, and all other kinds if a tip has a radius.
         misses: Guarded moves that touched nothing.
         prior: What is known of the pose beforehand.
         tolerance: A pose is valid if it is within this share of the part's size; 1e-9 to 0.01.
@@ -412,7 +536,7 @@ def recognize(
 
     Raises:
         ValueError: No models, no contacts, something else among them, an unknown kind of feature, a contact whose
-            normal contradicts its approach, a number out of range.
+            normal contradicts its approach, a number out of range, the plane mixed with space.
     """
 
 @final
@@ -477,7 +601,7 @@ class Hypothesis:
         """Whether `interpretation_count` is all of them."""
     @property
     def world_from_model(self) -> NDArray[float64]:
-        """The pose of largest slack, shape `(3, 3)`: the worst reading uses the smallest share of its bounds."""
+        """The pose of largest slack, shape `(d + 1, d + 1)`: the worst reading uses the smallest share of its bounds."""
     @property
     def poses(self) -> PoseSet:
         """All its poses."""
@@ -496,11 +620,11 @@ class Interpretation:
     def model_number(self) -> int:
         """Its place among the models that were given."""
     @property
-    def assignment(self) -> list[tuple[Literal["face", "vertex"], int]]:
+    def assignment(self) -> list[tuple[Literal["face", "edge", "vertex"], int]]:
         """Kind and number of the feature that each contact lies on, in the order of the contacts."""
     @property
     def world_from_model(self) -> NDArray[float64]:
-        """The pose of largest slack, shape `(3, 3)`."""
+        """The pose of largest slack, shape `(d + 1, d + 1)`."""
     @property
     def poses(self) -> PoseSet:
         """All poses that satisfy the assignment."""
@@ -527,7 +651,7 @@ class Interpretations:
 class PoseSet:
     """All poses of a hypothesis or of an interpretation: a guaranteed enclosure with inner witnesses (2.4).
 
-    Poses are `world_from_model`, homogeneous matrices of shape `(3, 3)`.
+    Poses are `world_from_model`, homogeneous matrices of shape `(d + 1, d + 1)`.
     """
 
     def contains(self, world_from_model: ArrayLike) -> bool:
@@ -536,11 +660,11 @@ class PoseSet:
         Of a hypothesis, up to the model's symmetry.
 
         Raises:
-            ValueError: Another shape than `(3, 3)`, or no rigid motion.
+            ValueError: Another shape than `(d + 1, d + 1)`, or no rigid motion.
         """
 
     def sample(self, n: int, seed: int = 0) -> NDArray[float64]:
-        """`n` valid poses, spread over the set, shape `(n, 3, 3)`; the same for the same seed.
+        """`n` valid poses, spread over the set, shape `(n, d + 1, d + 1)`; the same for the same seed.
 
         Raises:
             ValueError: `n` or `seed` is negative or not whole, or `n` is above ten million.
@@ -550,7 +674,7 @@ class PoseSet:
     def rotation_bound(self) -> float:
         """No two poses of the set differ by more; radians, at most π."""
     def excursion(self, point: ArrayLike) -> float:
-        """No two poses of the set move this point, shape `(2,)`, model frame, further apart.
+        """No two poses of the set move this point, shape `(d,)`, model frame, further apart.
 
         Raises:
             ValueError: Another shape, or a number that is not finite.
@@ -559,16 +683,18 @@ class PoseSet:
     def outline(self, point: ArrayLike) -> NDArray[float64]:
         """A convex polygon that holds every place of this point, shape `(2,)`, model frame, under the poses of the set.
 
+        In the plane only.
+
         Returns:
             Corners, counter-clockwise, shape `(k, 2)`, world frame.
 
         Raises:
-            ValueError: Another shape, or a number that is not finite.
+            ValueError: Another shape, or a number that is not finite; poses in space.
         """
 
     @property
     def witness(self) -> NDArray[float64]:
-        """A pose of the set, shape `(3, 3)`: the proof that it is not empty."""
+        """A pose of the set, shape `(d + 1, d + 1)`: the proof that it is not empty."""
     @property
     def marginal(self) -> bool:
         """Whether every witness needs the tolerance."""
@@ -576,7 +702,10 @@ class PoseSet:
     def thesis_pose(self) -> ThesisPose | None:
         """The thesis's own pose and bounds of the first assignment (2.2.3, 2.4).
 
-        None where they are not defined: a contact on a vertex or without a normal, or all faces parallel.
+        None where they are not defined: a contact on a vertex or without a normal, or all faces parallel. In the plane only.
+
+        Raises:
+            ValueError: Poses in space.
         """
 
 @final

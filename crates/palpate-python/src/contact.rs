@@ -1,23 +1,28 @@
 //! Contacts.
 
-use glam::DVec2;
 use numpy::PyArray1;
 use palpate::{Contact, Error, Normal};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use crate::convert::{number, optional_vector, raise, restore, tuple, vector, vector_array};
+use crate::convert::{
+    any_vector, damaged, number, optional_vector, raise, restore, restored, tuple, vector, vector_array,
+};
+use crate::dimension::{AnyContact, In, Vector};
 
 type Any<'py> = Bound<'py, PyAny>;
-type Pair = (f64, f64);
 
 #[doc = doc!("Contact")]
 #[pyclass(name = "Contact", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
-pub(crate) struct PyContact(pub(crate) Contact);
+pub(crate) struct PyContact(pub(crate) AnyContact);
+
+/// Coordinates in a pickle.
+type Coordinates = Vec<f64>;
 
 /// Centre, tip radius, position error, normal with its error, approach, start.
-type ContactState = (Pair, f64, f64, Option<(Pair, f64)>, Option<Pair>, Option<Pair>);
+type ContactState =
+    (Coordinates, f64, f64, Option<(Coordinates, f64)>, Option<Coordinates>, Option<Coordinates>);
 
 /// The arguments that both constructors of a contact share.
 struct Reading<'a, 'py> {
@@ -29,7 +34,12 @@ struct Reading<'a, 'py> {
 }
 
 impl Reading<'_, '_> {
-    fn contact(&self, center: DVec2, tip_radius: f64) -> PyResult<PyContact> {
+    /// A contact of the plane or of space, as the centre is.
+    fn contact(&self, argument: &str, center: &Any<'_>, tip_radius: f64) -> PyResult<PyContact> {
+        Ok(PyContact(likewise!(any_vector(argument, center)?, center => self.at(center, tip_radius)?)))
+    }
+
+    fn at<V: Vector>(&self, center: V, tip_radius: f64) -> PyResult<Contact<V>> {
         let position_error = number("position_error", self.position_error)?;
         let mut contact = Contact::new(center, tip_radius, position_error).map_err(raise)?;
         contact.normal = self.normal()?;
@@ -39,10 +49,10 @@ impl Reading<'_, '_> {
         if let Some(start) = optional_vector("start", self.start)? {
             contact = contact.with_start(start).map_err(raise)?;
         }
-        Ok(PyContact(contact))
+        Ok(contact)
     }
 
-    fn normal(&self) -> PyResult<Option<Normal>> {
+    fn normal<V: Vector>(&self) -> PyResult<Option<Normal<V>>> {
         match (self.normal, self.normal_error) {
             (Some(toward), Some(error)) => {
                 let normal = Normal::new(vector("normal", toward)?, number("normal_error", error)?);
@@ -73,8 +83,7 @@ impl PyContact {
         approach: Option<&Any<'_>>,
         start: Option<&Any<'_>>,
     ) -> PyResult<Self> {
-        Reading { position_error, normal, normal_error, approach, start }
-            .contact(vector("point", point)?, 0.0)
+        Reading { position_error, normal, normal_error, approach, start }.contact("point", point, 0.0)
     }
 
     #[doc = doc!("Contact.from_tip")]
@@ -93,100 +102,121 @@ impl PyContact {
     ) -> PyResult<Self> {
         let tip_radius = number("tip_radius", tip_radius)?;
         Reading { position_error, normal, normal_error, approach, start }
-            .contact(vector("center", center)?, tip_radius)
+            .contact("center", center, tip_radius)
     }
 
     #[doc = doc!("Contact.center")]
     #[getter]
     fn center<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        vector_array(py, self.0.center)
+        either!(&self.0, contact => vector_array(py, contact.center))
     }
 
     #[doc = doc!("Contact.tip_radius")]
     #[getter]
     fn tip_radius(&self) -> f64 {
-        self.0.tip_radius
+        either!(&self.0, contact => contact.tip_radius)
     }
 
     #[doc = doc!("Contact.position_error")]
     #[getter]
     fn position_error(&self) -> f64 {
-        self.0.position_error
+        either!(&self.0, contact => contact.position_error)
     }
 
     #[doc = doc!("Contact.normal")]
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        self.0.normal.map(|normal| vector_array(py, normal.direction)).transpose()
+        either!(&self.0, contact => {
+            contact.normal.map(|normal| vector_array(py, normal.direction)).transpose()
+        })
     }
 
     #[doc = doc!("Contact.normal_error")]
     #[getter]
     fn normal_error(&self) -> Option<f64> {
-        self.0.normal.map(|normal| normal.error)
+        either!(&self.0, contact => contact.normal.map(|normal| normal.error))
     }
 
     #[doc = doc!("Contact.approach")]
     #[getter]
     fn approach<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        self.0.approach.map(|approach| vector_array(py, approach)).transpose()
+        either!(&self.0, contact => contact.approach.map(|approach| vector_array(py, approach)).transpose())
     }
 
     #[doc = doc!("Contact.start")]
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
-        self.0.start.map(|start| vector_array(py, start)).transpose()
+        either!(&self.0, contact => contact.start.map(|start| vector_array(py, start)).transpose())
     }
 
     fn __repr__(&self) -> String {
-        let contact = &self.0;
-        let (maker, radius) = match contact.tip_radius {
-            0.0 => ("Contact", String::new()),
-            radius => ("Contact.from_tip", format!(", {radius:?}")),
-        };
-        let normal = contact.normal.map_or_else(String::new, |Normal { direction, error }| {
-            format!(", normal={}, normal_error={error:?}", tuple(direction))
-        });
-        let named = |name: &str, vector: Option<DVec2>| {
-            vector.map_or_else(String::new, |vector| format!(", {name}={}", tuple(vector)))
-        };
-        let (approach, start) = (named("approach", contact.approach), named("start", contact.start));
-        let (center, error) = (tuple(contact.center), contact.position_error);
-        format!("{maker}({center}{radius}, position_error={error:?}{normal}{approach}{start})")
+        either!(&self.0, contact => shown(contact))
     }
 
     /// Pickled by its numbers as they are: normalizing a unit vector again may change its last bit.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, ContactState)> {
-        let contact = &self.0;
-        let state = (
-            contact.center.into(),
-            contact.tip_radius,
-            contact.position_error,
-            contact.normal.map(|normal| (normal.direction.into(), normal.error)),
-            contact.approach.map(Into::into),
-            contact.start.map(Into::into),
-        );
-        Ok((restore::<Self>(py)?, state))
+        Ok((restore::<Self>(py)?, either!(&self.0, contact => state(contact))))
     }
 
     /// Undoes `__reduce__`.
     #[classmethod]
     fn _restore(
         _class: &Bound<'_, PyType>,
-        center: Pair,
+        center: Coordinates,
         tip_radius: f64,
         position_error: f64,
-        normal: Option<(Pair, f64)>,
-        approach: Option<Pair>,
-        start: Option<Pair>,
-    ) -> Self {
-        Self(Contact {
-            center: center.into(),
-            tip_radius,
-            position_error,
-            normal: normal.map(|(direction, error)| Normal { direction: direction.into(), error }),
-            approach: approach.map(Into::into),
-            start: start.map(Into::into),
-        })
+        normal: Option<(Coordinates, f64)>,
+        approach: Option<Coordinates>,
+        start: Option<Coordinates>,
+    ) -> PyResult<Self> {
+        let state = (center, tip_radius, position_error, normal, approach, start);
+        match state.0.len() {
+            2 => again(state).map(In::Plane),
+            3 => again(state).map(In::Space),
+            _ => Err(damaged()),
+        }
+        .map(Self)
     }
+}
+
+fn shown<V: Vector>(contact: &Contact<V>) -> String {
+    let (maker, radius) = match contact.tip_radius {
+        0.0 => ("Contact", String::new()),
+        radius => ("Contact.from_tip", format!(", {radius:?}")),
+    };
+    let normal = contact.normal.map_or_else(String::new, |Normal { direction, error }| {
+        format!(", normal={}, normal_error={error:?}", tuple(direction))
+    });
+    let named = |name: &str, vector: Option<V>| {
+        vector.map_or_else(String::new, |vector| format!(", {name}={}", tuple(vector)))
+    };
+    let (approach, start) = (named("approach", contact.approach), named("start", contact.start));
+    let (center, error) = (tuple(contact.center), contact.position_error);
+    format!("{maker}({center}{radius}, position_error={error:?}{normal}{approach}{start})")
+}
+
+fn state<V: Vector>(contact: &Contact<V>) -> ContactState {
+    (
+        contact.center.coordinates(),
+        contact.tip_radius,
+        contact.position_error,
+        contact.normal.map(|normal| (normal.direction.coordinates(), normal.error)),
+        contact.approach.map(V::coordinates),
+        contact.start.map(V::coordinates),
+    )
+}
+
+fn again<V: Vector>(state: ContactState) -> PyResult<Contact<V>> {
+    let (center, tip_radius, position_error, normal, approach, start) = state;
+    let sensed = |(direction, error): (Coordinates, f64)| {
+        PyResult::Ok(Normal { direction: restored(&direction)?, error })
+    };
+    Ok(Contact {
+        center: restored(&center)?,
+        tip_radius,
+        position_error,
+        normal: normal.map(sensed).transpose()?,
+        approach: approach.map(|one| restored(&one)).transpose()?,
+        start: start.map(|one| restored(&one)).transpose()?,
+    })
 }

@@ -6,8 +6,10 @@ macro_rules! doc {
     ("Model") => {
         r"A part: its faces, its corners and the motions that map it onto itself (2.1).
 
-In the plane a face is a line segment, with its outward normal on the right of `start → end`. Made by `polygon`,
-`segments` or `palpate.load_models`. Immutable; equal if all numbers are equal; can be pickled."
+In the plane a face is a line segment, with its outward normal on the right of `start → end`; in space it is flat, its
+loop counter-clockwise as seen from outside, and edges are where faces meet. Made by `polygon` or `segments` in the
+plane, by `mesh` or `facets` in space, or by `palpate.load_models`. Shapes below name the dimension `d`, 2 or 3.
+Immutable; equal if all numbers are equal; can be pickled."
     };
     ("Model.polygon") => {
         r"A part bounded by a closed outline, less its holes.
@@ -46,35 +48,95 @@ Raises:
     ValueError: No segment with a length that is there, a number out of range or named as both seam and
         untouchable, a slack that is negative, any number that is not finite."
     };
+    ("Model.mesh") => {
+        r"A part in space, bounded by triangles.
+
+Triangles that lie in one plane and hang together become one face. Doubled vertices, triangles without area,
+repeated ones or two that face each other, corners on the inside of another triangle's edge, triangles wound
+against their neighbours and surfaces turned inside out are mended, and `mends` says so. A closed surface within
+another one bounds a cavity. Meshes that cross themselves are not noticed: unite such bodies before. What corners
+are off their faces' planes is added to the slacks.
+
+Args:
+    vertices: Corners, shape `(n, 3)`, model frame.
+    triangles: Numbers of corners, counter-clockwise as seen from outside, shape `(m, 3)`.
+    name: What to call it in answers and pictures.
+    untouchable: Numbers of triangles as given that are in the way of a probe but never its answer.
+    position_slack: How far the true surface may lie from the faces; added to every contact's position error.
+    normal_slack: How far the true normal may turn from the faces'; added to every contact's normal error.
+    mends: What was mended before, as a reader of files does; put before the model's own.
+
+Raises:
+    ValueError: Another shape, a vertex or triangle number out of range, no triangle that has an area, a slack that is
+        negative, any number that is not finite."
+    };
+    ("Model.facets") => {
+        r"A part in space given by loose faces: it need not be closed (2.1).
+
+Corners that coincide form one vertex; a corner on the inside of another face's side divides it. What corners are
+off their faces' planes is added to the slacks.
+
+Args:
+    loops: Each face by its corners, shape `(k, 3)`, model frame, counter-clockwise as seen from outside; or by a list
+        of such loops, the outer one first, then those of its holes.
+    name: What to call it in answers and pictures.
+    seams: Numbers of faces that are not there: where two pieces of one part meet.
+    untouchable: Numbers of faces that are in the way of a probe but never its answer.
+    position_slack: How far the true surface may lie from the faces; added to every contact's position error.
+    normal_slack: How far the true normal may turn from the faces'; added to every contact's normal error.
+    mends: What was mended before, as a reader of files does; put before the model's own.
+
+Raises:
+    ValueError: Another shape, no face that is there, a face without area or whose corners are off its plane, loops
+        that cross, a hole outside its face, faces that bound a region from inside, a number out of range or named as
+        both seam and untouchable, a slack that is negative, any number that is not finite."
+    };
     ("Model.name") => {
         r"Its name."
     };
     ("Model.dimension") => {
-        r"2: the plane."
+        r"d: 2 in the plane, 3 in space."
     };
     ("Model.faces") => {
-        r"Start and end of each face, shape `(2, 2)`, model frame, in face-number order."
+        r"Corners of each face, model frame, in face-number order.
+
+In the plane start and end, shape `(2, 2)`; in space the outer loop, shape `(k, 3)`."
+    };
+    ("Model.face_loops") => {
+        r"The same with the loops of holes, clockwise as seen from outside, after each outer one."
     };
     ("Model.edges") => {
-        r"Empty in the plane."
+        r"Ends of each edge, shape `(2, 3)`, model frame, in edge-number order. None in the plane."
     };
     ("Model.vertices") => {
-        r"Corners, shape `(k, 2)`, model frame, in vertex-number order."
+        r"Corners, shape `(k, d)`, model frame, in vertex-number order."
     };
     ("Model.face_normals") => {
-        r"Unit outward normals, shape `(n, 2)`, model frame."
+        r"Unit outward normals, shape `(n, d)`, model frame."
     };
     ("Model.face_surfaces") => {
         r"What each face is to a probe."
     };
+    ("Model.touchable_edges") => {
+        r"Whether each edge is convex and both its faces can be touched, shape `(e,)`. Empty in the plane."
+    };
     ("Model.touchable_vertices") => {
-        r"Whether each corner is convex and both its faces can be touched, shape `(k,)`."
+        r"Whether a tip can rest on each corner: it is convex and its faces can be touched, shape `(k,)`."
+    };
+    ("Model.triangles") => {
+        r"Numbers of corners of triangles that make up all faces but seams, shape `(m, 3)`. Empty in the plane."
+    };
+    ("Model.triangle_faces") => {
+        r"The face of each triangle, shape `(m,)`."
     };
     ("Model.symmetries") => {
-        r"The motions that map it onto itself, the identity first, shape `(s, 3, 3)`, model frame."
+        r"The motions that map it onto itself, the identity first, shape `(s, d + 1, d + 1)`, model frame."
     };
     ("Model.symmetry_axes") => {
-        r"Axes of continuous symmetry. Empty in the plane."
+        r"Axes of continuous symmetry: a point and the unit direction of each, shape `(3,)`, model frame.
+
+Any turn about one maps the part onto itself, within its slacks. A ball has three through its centre; most parts and
+all in the plane have none."
     };
     ("Model.position_slack") => {
         r"Added to every contact's position error."
@@ -94,7 +156,7 @@ Raises:
     ("Model.first_contact") => {
         r"What a round tip meets first on its straight way, the part being at a pose: exact, without any error (3.2).
 
-A point that meets a corner meets one of its faces.
+A point that meets a corner meets one of its faces. In the plane only.
 
 Args:
     world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
@@ -107,14 +169,15 @@ Returns:
     What is met; None if nothing is, however far the tip goes.
 
 Raises:
-    ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite."
+    ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite; a
+        part in space."
     };
     ("Model.distance") => {
         r"How far a point is from the part at a pose; negative inside, if the part is closed.
 
 Args:
-    world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
-    point: The point, shape `(2,)`, world frame.
+    world_from_model: Where the part is, a rigid motion, shape `(d + 1, d + 1)`.
+    point: The point, shape `(d,)`, world frame.
 
 Raises:
     ValueError: Another shape, no rigid motion, a number that is not finite."
@@ -142,19 +205,19 @@ Immutable; equal if all numbers are equal."
     ("Contact") => {
         r"The tip of a probe rests on the part (2.2).
 
-The tip is a disc of `tip_radius` whose centre is within `position_error` of `center`; a measured surface point
-is the case of radius zero. Immutable; equal if all numbers are equal; can be pickled.
+The tip is a disc, in space a ball, of `tip_radius` whose centre is within `position_error` of `center`; a measured
+surface point is the case of radius zero. All vectors have d coordinates: 2 in the plane, 3 in space. Immutable; equal if all numbers are equal; can be pickled.
 
 A measured surface point.
 
 Args:
-    point: Sensed point, shape `(2,)`, world frame.
-    normal: Sensed outward normal, shape `(2,)`, world frame, of any length but zero; None if not sensed.
+    point: Sensed point, shape `(d,)`, world frame.
+    normal: Sensed outward normal, shape `(d,)`, world frame, of any length but zero; None if not sensed.
     position_error: The true point is within this distance of `point`; zero or more.
     normal_error: The true normal is within this angle of `normal`; radians, at most π/2. Given if and only if
         `normal` is.
-    approach: Direction of travel, pointing into the part, shape `(2,)`, world frame, of any length but zero.
-    start: Where the guarded move began, shape `(2,)`, world frame: the way from there was free.
+    approach: Direction of travel, pointing into the part, shape `(d,)`, world frame, of any length but zero.
+    start: Where the guarded move began, shape `(d,)`, world frame: the way from there was free.
 
 Raises:
     ValueError: Another shape, a zero direction, a negative bound, one of `normal` and `normal_error` alone,
@@ -164,19 +227,19 @@ Raises:
         r"A contact of a round tip.
 
 Args:
-    center: Sensed centre of the tip, shape `(2,)`, world frame.
+    center: Sensed centre of the tip, shape `(d,)`, world frame.
     tip_radius: Radius of the tip; zero or more.
     position_error: The true centre is within this distance of `center`; zero or more.
     approach: As for a measured point.
     normal: As for a measured point.
     normal_error: As for a measured point.
-    start: Where the centre of the tip began its guarded move, shape `(2,)`, world frame.
+    start: Where the centre of the tip began its guarded move, shape `(d,)`, world frame.
 
 Raises:
     ValueError: As for a measured point, and a negative radius."
     };
     ("Contact.center") => {
-        r"Sensed centre of the tip, shape `(2,)`, world frame."
+        r"Sensed centre of the tip, shape `(d,)`, world frame."
     };
     ("Contact.tip_radius") => {
         r"Radius of the tip; zero for a measured point."
@@ -185,27 +248,27 @@ Raises:
         r"Bound on the distance of the true centre."
     };
     ("Contact.normal") => {
-        r"Sensed outward normal, made unit, shape `(2,)`, world frame."
+        r"Sensed outward normal, made unit, shape `(d,)`, world frame."
     };
     ("Contact.normal_error") => {
         r"Bound on the angle of the true normal; radians."
     };
     ("Contact.approach") => {
-        r"Direction of travel, made unit, shape `(2,)`, world frame."
+        r"Direction of travel, made unit, shape `(d,)`, world frame."
     };
     ("Contact.start") => {
-        r"Where the guarded move began, shape `(2,)`, world frame."
+        r"Where the guarded move began, shape `(d,)`, world frame."
     };
     ("Miss") => {
         r"A guarded move that touched nothing: the tip swept from `start` to `end` freely.
 
-Immutable; equal if all numbers are equal; can be pickled.
+Both have d coordinates: 2 in the plane, 3 in space. Immutable; equal if all numbers are equal; can be pickled.
 
 A free sweep.
 
 Args:
-    start: Where the centre of the tip began, shape `(2,)`, world frame.
-    end: Where it ended, shape `(2,)`, world frame.
+    start: Where the centre of the tip began, shape `(d,)`, world frame.
+    end: Where it ended, shape `(d,)`, world frame.
     tip_radius: Radius of the tip; zero or more.
     path_error: How far the tip may have left its line; zero or more.
 
@@ -213,10 +276,10 @@ Raises:
     ValueError: Another shape, a negative bound, any number that is not finite."
     };
     ("Miss.start") => {
-        r"Where the centre of the tip began, shape `(2,)`, world frame."
+        r"Where the centre of the tip began, shape `(d,)`, world frame."
     };
     ("Miss.end") => {
-        r"Where it ended, shape `(2,)`, world frame."
+        r"Where it ended, shape `(d,)`, world frame."
     };
     ("Miss.tip_radius") => {
         r"Radius of the tip."
@@ -225,40 +288,64 @@ Raises:
         r"How far the tip may have left its line."
     };
     ("Prior") => {
-        r"What is known of the pose beforehand: a box of translations and a range of rotations.
+        r"What is known of the pose beforehand: a range of translations and of rotations.
 
 Immutable; equal if all numbers are equal; can be pickled.
 
 Poses around a middle one.
 
 Args:
-    world_from_model: The middle of the range, a rigid motion, shape `(3, 3)`.
+    world_from_model: The middle of the range, a rigid motion, shape `(3, 3)` in the plane, `(4, 4)` in space.
     translation: Each component of the translation is within this of the middle's; zero or more.
     rotation: The rotation is within this angle of the middle's; radians, zero to π (free).
 
 Raises:
     ValueError: Another shape, a matrix that is no rigid motion, a bound that is negative or not finite."
     };
+    ("Prior.on_plane") => {
+        r"Poses in space of a part that lies on a plane, such as a table, around a middle one.
+
+Args:
+    world_from_model: The middle of the range, a rigid motion, shape `(4, 4)`.
+    translation: The translation along the plane is within this of the middle's; zero or more.
+    rotation: The turn about the plane's normal, after the tilt, is within this angle; radians, zero to π (free).
+    height: The translation along the normal is within this of the middle's; zero or more.
+    tilt: The part may tilt by this angle; radians, zero (it lies as in the middle) to π.
+    normal: Normal of the plane, shape `(3,)`, world frame, of any length but zero.
+
+Raises:
+    ValueError: Another shape, a matrix that is no rigid motion, a zero normal, a bound that is negative or not finite."
+    };
     ("Prior.world_from_model") => {
-        r"The middle of the range, shape `(3, 3)`."
+        r"The middle of the range, shape `(d + 1, d + 1)`."
     };
     ("Prior.translation") => {
-        r"Bound on each component of the translation."
+        r"Bound on each component of the translation; on a plane, on its length along it."
     };
     ("Prior.rotation") => {
-        r"Bound on the rotation; radians."
+        r"Bound on the rotation; on a plane, about its normal; radians."
+    };
+    ("Prior.height") => {
+        r"Bound on the translation along the plane's normal; None of a part that lies on none."
+    };
+    ("Prior.tilt") => {
+        r"Bound on the tilt, radians; None of a part that lies on no plane."
+    };
+    ("Prior.normal") => {
+        r"Unit normal of the plane, shape `(3,)`, world frame; None of a part that lies on none."
     };
     ("recognize") => {
-        r"Every model and pose that explains all contacts, keeps clear of all misses, and agrees with the prior (chapter 2).
+        r#"Every model and pose that explains all contacts, keeps clear of all misses, and agrees with the prior (chapter 2).
 
 Contacts, misses and prior are in the world frame, models each in its own: `p_world = world_from_model @ p_model`.
 Lengths are in the models' unit, whichever it is, angles in radians. If the bounds of the contacts hold, the true model
 and pose are in the answer; and every hypothesis has a pose that satisfies every contact, to the tolerance.
 
 Args:
-    models: The parts that it may be. Their unit is that of all lengths.
+    models: The parts that it may be, all of the plane or all of space. Their unit is that of all lengths.
     contacts: What was touched, at least one; their order doesn't change the answer.
-    features: Kinds of features that contacts may lie on. None: faces, and vertices if a tip has a radius.
+    features: Kinds of features that contacts may lie on: some of `"face"`, `"vertex"` and, in space, `"edge"`. None:
+        faces, and all other kinds if a tip has a radius.
     misses: Guarded moves that touched nothing.
     prior: What is known of the pose beforehand.
     tolerance: A pose is valid if it is within this share of the part's size; 1e-9 to 0.01.
@@ -269,7 +356,7 @@ Returns:
 
 Raises:
     ValueError: No models, no contacts, something else among them, an unknown kind of feature, a contact whose
-        normal contradicts its approach, a number out of range."
+        normal contradicts its approach, a number out of range, the plane mixed with space."#
     };
     ("Recognition") => {
         r"The answer: every hypothesis, or, if there is none, contacts that can't hold together."
@@ -325,7 +412,7 @@ Without a prior, one of each that the model's symmetries repeat; with a prior ev
         r"Whether `interpretation_count` is all of them."
     };
     ("Hypothesis.world_from_model") => {
-        r"The pose of largest slack, shape `(3, 3)`: the worst reading uses the smallest share of its bounds."
+        r"The pose of largest slack, shape `(d + 1, d + 1)`: the worst reading uses the smallest share of its bounds."
     };
     ("Hypothesis.poses") => {
         r"All its poses."
@@ -346,7 +433,7 @@ Without a prior, one of each that the model's symmetries repeat; with a prior ev
         r"Kind and number of the feature that each contact lies on, in the order of the contacts."
     };
     ("Interpretation.world_from_model") => {
-        r"The pose of largest slack, shape `(3, 3)`."
+        r"The pose of largest slack, shape `(d + 1, d + 1)`."
     };
     ("Interpretation.poses") => {
         r"All poses that satisfy the assignment."
@@ -362,7 +449,7 @@ Without a prior, one of each that the model's symmetries repeat; with a prior ev
     ("PoseSet") => {
         r"All poses of a hypothesis or of an interpretation: a guaranteed enclosure with inner witnesses (2.4).
 
-Poses are `world_from_model`, homogeneous matrices of shape `(3, 3)`."
+Poses are `world_from_model`, homogeneous matrices of shape `(d + 1, d + 1)`."
     };
     ("PoseSet.contains") => {
         r"Whether the pose explains every contact and miss, up to the tolerance: the exact predicate.
@@ -370,10 +457,10 @@ Poses are `world_from_model`, homogeneous matrices of shape `(3, 3)`."
 Of a hypothesis, up to the model's symmetry.
 
 Raises:
-    ValueError: Another shape than `(3, 3)`, or no rigid motion."
+    ValueError: Another shape than `(d + 1, d + 1)`, or no rigid motion."
     };
     ("PoseSet.sample") => {
-        r"`n` valid poses, spread over the set, shape `(n, 3, 3)`; the same for the same seed.
+        r"`n` valid poses, spread over the set, shape `(n, d + 1, d + 1)`; the same for the same seed.
 
 Raises:
     ValueError: `n` or `seed` is negative or not whole, or `n` is above ten million."
@@ -382,7 +469,7 @@ Raises:
         r"No two poses of the set differ by more; radians, at most π."
     };
     ("PoseSet.excursion") => {
-        r"No two poses of the set move this point, shape `(2,)`, model frame, further apart.
+        r"No two poses of the set move this point, shape `(d,)`, model frame, further apart.
 
 Raises:
     ValueError: Another shape, or a number that is not finite."
@@ -390,14 +477,16 @@ Raises:
     ("PoseSet.outline") => {
         r"A convex polygon that holds every place of this point, shape `(2,)`, model frame, under the poses of the set.
 
+In the plane only.
+
 Returns:
     Corners, counter-clockwise, shape `(k, 2)`, world frame.
 
 Raises:
-    ValueError: Another shape, or a number that is not finite."
+    ValueError: Another shape, or a number that is not finite; poses in space."
     };
     ("PoseSet.witness") => {
-        r"A pose of the set, shape `(3, 3)`: the proof that it is not empty."
+        r"A pose of the set, shape `(d + 1, d + 1)`: the proof that it is not empty."
     };
     ("PoseSet.marginal") => {
         r"Whether every witness needs the tolerance."
@@ -405,7 +494,10 @@ Raises:
     ("PoseSet.thesis_pose") => {
         r"The thesis's own pose and bounds of the first assignment (2.2.3, 2.4).
 
-None where they are not defined: a contact on a vertex or without a normal, or all faces parallel."
+None where they are not defined: a contact on a vertex or without a normal, or all faces parallel. In the plane only.
+
+Raises:
+    ValueError: Poses in space."
     };
     ("ThesisPose") => {
         r"The thesis's nominal pose of an interpretation and its bounds (2.2.3, 2.4), corrected by MATH errata 37-43.

@@ -1,25 +1,30 @@
 //! Misses and the prior.
 
 use numpy::{PyArray1, PyArray2};
-use palpate::plane::Pose;
-use palpate::{Miss, Prior};
+use palpate::{Miss, Prior, space};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use crate::convert::{number, pose, pose_array, raise, restore, tuple, vector, vector_array};
+use crate::convert::{
+    any_pose, any_vector, damaged, number, pose, pose_array, raise, restore, restored, tuple, vector,
+    vector_array,
+};
+use crate::dimension::{AnyMiss, AnyPrior, In, Motion, Vector};
 
 type Any<'py> = Bound<'py, PyAny>;
-type Pair = (f64, f64);
+
+/// Coordinates in a pickle.
+type Coordinates = Vec<f64>;
 
 #[doc = doc!("Miss")]
 #[pyclass(name = "Miss", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
-pub(crate) struct PyMiss(pub(crate) Miss);
+pub(crate) struct PyMiss(pub(crate) AnyMiss);
 
 #[doc = doc!("Prior")]
 #[pyclass(name = "Prior", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
-pub(crate) struct PyPrior(pub(crate) Prior);
+pub(crate) struct PyPrior(pub(crate) AnyPrior);
 
 #[pymethods]
 impl PyMiss {
@@ -33,56 +38,77 @@ impl PyMiss {
     ) -> PyResult<Self> {
         let [tip_radius, path_error] = [("tip_radius", tip_radius), ("path_error", path_error)]
             .map(|(name, length)| length.map_or(Ok(0.0), |length| number(name, length)));
-        Miss::new(vector("start", start)?, vector("end", end)?, tip_radius?, path_error?)
-            .map(Self)
-            .map_err(raise)
+        let (tip_radius, path_error) = (tip_radius?, path_error?);
+        let miss = likewise!(any_vector("start", start)?, start => {
+            Miss::new(start, vector("end", end)?, tip_radius, path_error).map_err(raise)?
+        });
+        Ok(Self(miss))
     }
 
     #[doc = doc!("Miss.start")]
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        vector_array(py, self.0.start)
+        either!(&self.0, miss => vector_array(py, miss.start))
     }
 
     #[doc = doc!("Miss.end")]
     #[getter]
     fn end<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        vector_array(py, self.0.end)
+        either!(&self.0, miss => vector_array(py, miss.end))
     }
 
     #[doc = doc!("Miss.tip_radius")]
     #[getter]
     fn tip_radius(&self) -> f64 {
-        self.0.tip_radius
+        either!(&self.0, miss => miss.tip_radius)
     }
 
     #[doc = doc!("Miss.path_error")]
     #[getter]
     fn path_error(&self) -> f64 {
-        self.0.path_error
+        either!(&self.0, miss => miss.path_error)
     }
 
     fn __repr__(&self) -> String {
-        let Miss { start, end, tip_radius, path_error } = self.0;
-        let ends = format!("{}, {}", tuple(start), tuple(end));
-        format!("Miss({ends}, tip_radius={tip_radius:?}, path_error={path_error:?})")
+        let ends = either!(&self.0, miss => format!("{}, {}", tuple(miss.start), tuple(miss.end)));
+        format!("Miss({ends}, tip_radius={:?}, path_error={:?})", self.tip_radius(), self.path_error())
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, (Pair, Pair, f64, f64))> {
-        let Miss { start, end, tip_radius, path_error } = self.0;
-        Ok((restore::<Self>(py)?, (start.into(), end.into(), tip_radius, path_error)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, (Coordinates, Coordinates, f64, f64))> {
+        let state = either!(&self.0, miss => {
+            (miss.start.coordinates(), miss.end.coordinates(), miss.tip_radius, miss.path_error)
+        });
+        Ok((restore::<Self>(py)?, state))
     }
 
     /// Undoes `__reduce__`.
     #[classmethod]
+    #[expect(clippy::needless_pass_by_value, reason = "as Python hands it over")]
     fn _restore(
         _class: &Bound<'_, PyType>,
-        start: Pair,
-        end: Pair,
+        start: Coordinates,
+        end: Coordinates,
         tip_radius: f64,
         path_error: f64,
-    ) -> Self {
-        Self(Miss { start: start.into(), end: end.into(), tip_radius, path_error })
+    ) -> PyResult<Self> {
+        let miss = match start.len() {
+            2 => In::Plane(Miss { start: restored(&start)?, end: restored(&end)?, tip_radius, path_error }),
+            3 => In::Space(Miss { start: restored(&start)?, end: restored(&end)?, tip_radius, path_error }),
+            _ => return Err(damaged()),
+        };
+        Ok(Self(miss))
+    }
+}
+
+/// Normal, height and tilt of a part that lies on a plane.
+type LyingState = (Coordinates, f64, f64);
+
+/// The middle row by row, translation, rotation, and how it lies.
+type PriorState = (Coordinates, f64, f64, Option<LyingState>);
+
+impl PyPrior {
+    fn lying(&self) -> Option<space::Lying> {
+        if let In::Space(prior) = &self.0 { prior.lying } else { None }
     }
 }
 
@@ -91,51 +117,115 @@ impl PyPrior {
     #[new]
     #[pyo3(signature = (world_from_model, *, translation, rotation))]
     fn new(world_from_model: &Any<'_>, translation: &Any<'_>, rotation: &Any<'_>) -> PyResult<Self> {
+        let middle = any_pose("world_from_model", world_from_model)?;
+        let [translation, rotation] = [number("translation", translation)?, number("rotation", rotation)?];
+        let prior = match middle {
+            In::Plane(middle) => In::Plane(Prior::new(middle, translation, rotation).map_err(raise)?),
+            In::Space(middle) => In::Space(space::Prior::new(middle, translation, rotation).map_err(raise)?),
+        };
+        Ok(Self(prior))
+    }
+
+    #[doc = doc!("Prior.on_plane")]
+    #[classmethod]
+    #[pyo3(
+        signature = (world_from_model, *, translation, rotation, height, tilt, normal=None),
+        text_signature = "(world_from_model, *, translation, rotation, height, tilt, normal=(0, 0, 1))"
+    )]
+    fn on_plane(
+        _class: &Bound<'_, PyType>,
+        world_from_model: &Any<'_>,
+        translation: &Any<'_>,
+        rotation: &Any<'_>,
+        height: &Any<'_>,
+        tilt: &Any<'_>,
+        normal: Option<&Any<'_>>,
+    ) -> PyResult<Self> {
         let middle = pose("world_from_model", world_from_model)?;
         let [translation, rotation] = [number("translation", translation)?, number("rotation", rotation)?];
-        Prior::new(middle, translation, rotation).map(Self).map_err(raise)
+        let [height, tilt] = [number("height", height)?, number("tilt", tilt)?];
+        let normal = normal.map_or(Ok(glam::DVec3::Z), |normal| vector("normal", normal))?;
+        let prior = space::Prior::new(middle, translation, rotation).map_err(raise)?;
+        Ok(Self(In::Space(prior.on_plane(normal, height, tilt).map_err(raise)?)))
     }
 
     #[doc = doc!("Prior.world_from_model")]
     #[getter]
     fn world_from_model<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        pose_array(py, self.0.world_from_model)
+        either!(&self.0, prior => pose_array(py, prior.world_from_model))
     }
 
     #[doc = doc!("Prior.translation")]
     #[getter]
     fn translation(&self) -> f64 {
-        self.0.translation
+        either!(&self.0, prior => prior.translation)
     }
 
     #[doc = doc!("Prior.rotation")]
     #[getter]
     fn rotation(&self) -> f64 {
-        self.0.rotation
+        either!(&self.0, prior => prior.rotation)
+    }
+
+    #[doc = doc!("Prior.height")]
+    #[getter]
+    fn height(&self) -> Option<f64> {
+        self.lying().map(|lying| lying.height)
+    }
+
+    #[doc = doc!("Prior.tilt")]
+    #[getter]
+    fn tilt(&self) -> Option<f64> {
+        self.lying().map(|lying| lying.tilt)
+    }
+
+    #[doc = doc!("Prior.normal")]
+    #[getter]
+    fn normal<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        self.lying().map(|lying| vector_array(py, lying.normal)).transpose()
     }
 
     fn __repr__(&self) -> String {
-        let Prior { world_from_model, translation, rotation } = self.0;
-        let rows = world_from_model.to_rows();
-        format!("Prior({rows:?}, translation={translation:?}, rotation={rotation:?})")
+        let rows = either!(&self.0, prior => format!("{:?}", prior.world_from_model.to_rows()));
+        let bounds = format!("translation={:?}, rotation={:?}", self.translation(), self.rotation());
+        match self.lying() {
+            None => format!("Prior({rows}, {bounds})"),
+            Some(space::Lying { normal, height, tilt }) => {
+                let normal = tuple(normal);
+                format!("Prior.on_plane({rows}, {bounds}, height={height:?}, tilt={tilt:?}, normal={normal})")
+            }
+        }
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, (Pair, Pair, f64, f64))> {
-        let Prior { world_from_model: Pose { rotation: turn, translation: shift }, translation, rotation } =
-            self.0;
-        Ok((restore::<Self>(py)?, (turn.into(), shift.into(), translation, rotation)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, PriorState)> {
+        let rows = either!(&self.0, prior => prior.world_from_model.numbers());
+        let lying = self.lying().map(|one| (one.normal.coordinates(), one.height, one.tilt));
+        Ok((restore::<Self>(py)?, (rows, self.translation(), self.rotation(), lying)))
     }
 
     /// Undoes `__reduce__`.
     #[classmethod]
+    #[expect(clippy::needless_pass_by_value, reason = "as Python hands it over")]
     fn _restore(
         _class: &Bound<'_, PyType>,
-        turn: Pair,
-        shift: Pair,
+        rows: Coordinates,
         translation: f64,
         rotation: f64,
-    ) -> Self {
-        let world_from_model = Pose { rotation: turn.into(), translation: shift.into() };
-        Self(Prior { world_from_model, translation, rotation })
+        lying: Option<LyingState>,
+    ) -> PyResult<Self> {
+        let again = |(normal, height, tilt): LyingState| {
+            PyResult::Ok(space::Lying { normal: restored(&normal)?, height, tilt })
+        };
+        let prior = match rows.len() {
+            9 => In::Plane(Prior { world_from_model: Motion::restored(&rows), translation, rotation }),
+            16 => In::Space(space::Prior {
+                world_from_model: Motion::restored(&rows),
+                translation,
+                rotation,
+                lying: lying.map(again).transpose()?,
+            }),
+            _ => return Err(damaged()),
+        };
+        Ok(Self(prior))
     }
 }

@@ -2,15 +2,15 @@
 
 use std::sync::OnceLock;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use numpy::{PyArray2, PyArray3};
-use palpate::plane::{Pose, PoseSet};
-use palpate::{Count, Hypothesis, Interpretation};
+use palpate::{Count, Dimension, Interpretation, plane, space};
 use pyo3::prelude::*;
 
 use crate::convert::{
-    decimal, decimals, pose, pose_array, poses_array, refuse, vector, vectors_array, whole,
+    decimal, decimals, plane_only, pose, pose_array, poses_array, refuse, vector, vectors_array, whole,
 };
+use crate::dimension::{AnyHypothesis, In, Motion, Vector};
 use crate::interpretations::PyInterpretations;
 use crate::model::PyModel;
 use crate::thesis::PyThesisPose;
@@ -21,10 +21,12 @@ type Array2<'py> = Bound<'py, PyArray2<f64>>;
 /// Poses in one sample: 720 MB as an array. What memory can't hold would end the process, not raise.
 const MOST_SAMPLES: u64 = 10_000_000;
 
+pub(crate) type AnyInterpretation = In<Interpretation<DVec2>, Interpretation<DVec3>>;
+
 #[doc = doc!("Hypothesis")]
 #[pyclass(name = "Hypothesis", module = "palpate._core", frozen)]
 pub(crate) struct PyHypothesis {
-    pub(crate) hypothesis: Hypothesis,
+    pub(crate) hypothesis: AnyHypothesis,
     pub(crate) model: Py<PyModel>,
     count: OnceLock<Count>,
 }
@@ -32,21 +34,21 @@ pub(crate) struct PyHypothesis {
 #[doc = doc!("Interpretation")]
 #[pyclass(name = "Interpretation", module = "palpate._core", frozen)]
 pub(crate) struct PyInterpretation {
-    pub(crate) interpretation: Interpretation,
+    pub(crate) interpretation: AnyInterpretation,
     pub(crate) model: Py<PyModel>,
 }
 
 #[doc = doc!("PoseSet")]
 #[pyclass(name = "PoseSet", module = "palpate._core", frozen)]
-pub(crate) struct PyPoseSet(PoseSet);
+pub(crate) struct PyPoseSet(In<plane::PoseSet, space::PoseSet>);
 
 impl PyHypothesis {
-    pub(crate) fn new(hypothesis: Hypothesis, model: Py<PyModel>) -> Self {
+    pub(crate) fn new(hypothesis: AnyHypothesis, model: Py<PyModel>) -> Self {
         Self { hypothesis, model, count: OnceLock::new() }
     }
 
     pub(crate) fn count(&self, py: Python<'_>) -> Count {
-        py.detach(|| *self.count.get_or_init(|| self.hypothesis.interpretation_count()))
+        py.detach(|| *self.count.get_or_init(|| either!(&self.hypothesis, one => one.interpretation_count())))
     }
 }
 
@@ -61,7 +63,7 @@ impl PyHypothesis {
     #[doc = doc!("Hypothesis.model_number")]
     #[getter]
     fn model_number(&self) -> usize {
-        self.hypothesis.model_number
+        either!(&self.hypothesis, one => one.model_number)
     }
 
     #[doc = doc!("Hypothesis.interpretations")]
@@ -85,26 +87,28 @@ impl PyHypothesis {
     #[doc = doc!("Hypothesis.world_from_model")]
     #[getter]
     fn world_from_model<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
-        pose_array(py, py.detach(|| self.hypothesis.world_from_model()))
+        either!(&self.hypothesis, one => pose_array(py, py.detach(|| one.world_from_model())))
     }
 
     #[doc = doc!("Hypothesis.poses")]
     #[getter]
     fn poses(&self) -> PyPoseSet {
-        PyPoseSet(self.hypothesis.poses.clone())
+        PyPoseSet(likewise!(&self.hypothesis, one => one.poses.clone()))
     }
 
     #[doc = doc!("Hypothesis.marginal")]
     #[getter]
     fn marginal(&self) -> bool {
-        self.hypothesis.marginal()
+        either!(&self.hypothesis, one => one.marginal())
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {
-        let best = py.detach(|| self.hypothesis.world_from_model());
-        let marginal = if self.hypothesis.marginal() { ", marginal" } else { "" };
-        let model = &self.hypothesis.model;
-        format!("<Hypothesis: {:?} {}{marginal}>", model.name, place(best, model.size))
+        let marginal = if self.marginal() { ", marginal" } else { "" };
+        let place = either!(&self.hypothesis, one => {
+            let best = py.detach(|| one.world_from_model());
+            format!("{:?} {}", one.model.name, place(best, one.model.size))
+        });
+        format!("<Hypothesis: {place}{marginal}>")
     }
 }
 
@@ -119,41 +123,39 @@ impl PyInterpretation {
     #[doc = doc!("Interpretation.model_number")]
     #[getter]
     fn model_number(&self) -> usize {
-        self.interpretation.model_number
+        either!(&self.interpretation, one => one.model_number)
     }
 
     #[doc = doc!("Interpretation.assignment")]
     #[getter]
     fn assignment(&self) -> Vec<(&'static str, u32)> {
-        self.interpretation.assignment.iter().map(|feature| (feature.kind(), feature.number())).collect()
+        let assignment = either!(&self.interpretation, one => &one.assignment);
+        assignment.iter().map(|feature| (feature.kind(), feature.number())).collect()
     }
 
     #[doc = doc!("Interpretation.world_from_model")]
     #[getter]
     fn world_from_model<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
-        pose_array(py, py.detach(|| self.interpretation.poses.largest_slack()))
+        either!(&self.interpretation, one => pose_array(py, py.detach(|| one.poses.largest_slack())))
     }
 
     #[doc = doc!("Interpretation.poses")]
     #[getter]
     fn poses(&self) -> PyPoseSet {
-        PyPoseSet(self.interpretation.poses.clone())
+        PyPoseSet(likewise!(&self.interpretation, one => one.poses.clone()))
     }
 
     #[doc = doc!("Interpretation.marginal")]
     #[getter]
     fn marginal(&self) -> bool {
-        self.interpretation.poses.marginal()
+        either!(&self.interpretation, one => one.poses.marginal())
     }
 
     fn __repr__(&self) -> String {
-        let features: Vec<String> = self
-            .interpretation
-            .assignment
-            .iter()
-            .map(|feature| format!("{} {}", feature.kind(), feature.number()))
-            .collect();
-        format!("<Interpretation: {:?} on {}>", self.interpretation.model.name, features.join(", "))
+        let features: Vec<String> =
+            self.assignment().iter().map(|(kind, number)| format!("{kind} {number}")).collect();
+        let name = either!(&self.interpretation, one => &one.model.name);
+        format!("<Interpretation: {name:?} on {}>", features.join(", "))
     }
 }
 
@@ -161,8 +163,10 @@ impl PyInterpretation {
 impl PyPoseSet {
     #[doc = doc!("PoseSet.contains")]
     fn contains(&self, py: Python<'_>, world_from_model: &Any<'_>) -> PyResult<bool> {
-        let pose = pose("world_from_model", world_from_model)?;
-        Ok(py.detach(|| self.0.contains(pose)))
+        either!(&self.0, poses => {
+            let pose = pose("world_from_model", world_from_model)?;
+            Ok(py.detach(|| poses.contains(pose)))
+        })
     }
 
     #[doc = doc!("PoseSet.sample")]
@@ -184,57 +188,78 @@ impl PyPoseSet {
         }
         let n = wanted as usize;
         let seed = seed.map_or(Ok(0), |seed| whole("seed", seed, 0))?;
-        poses_array(py, &py.detach(|| self.0.sample(n, seed)))
+        either!(&self.0, poses => poses_array(py, &py.detach(|| poses.sample(n, seed))))
     }
 
     #[doc = doc!("PoseSet.rotation_bound")]
     #[getter]
     fn rotation_bound(&self, py: Python<'_>) -> f64 {
-        py.detach(|| self.0.rotation_bound())
+        py.detach(|| either!(&self.0, poses => poses.rotation_bound()))
     }
 
     #[doc = doc!("PoseSet.excursion")]
     fn excursion(&self, py: Python<'_>, point: &Any<'_>) -> PyResult<f64> {
-        let point = vector("point", point)?;
-        Ok(py.detach(|| self.0.excursion(point)))
+        either!(&self.0, poses => {
+            let point = vector("point", point)?;
+            Ok(py.detach(|| poses.excursion(point)))
+        })
     }
 
     #[doc = doc!("PoseSet.outline")]
     fn outline<'py>(&self, py: Python<'py>, point: &Any<'py>) -> PyResult<Array2<'py>> {
+        let poses = self.planar("outline", "ask for excursion, or sample the poses")?;
         let point = vector("point", point)?;
-        vectors_array(py, &py.detach(|| self.0.outline(point)))
+        vectors_array(py, &py.detach(|| poses.outline(point)))
     }
 
     #[doc = doc!("PoseSet.witness")]
     #[getter]
     fn witness<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
-        pose_array(py, self.0.witness())
+        either!(&self.0, poses => pose_array(py, poses.witness()))
     }
 
     #[doc = doc!("PoseSet.marginal")]
     #[getter]
     fn marginal(&self) -> bool {
-        self.0.marginal()
+        either!(&self.0, poses => poses.marginal())
     }
 
     #[doc = doc!("PoseSet.thesis_pose")]
     #[getter]
-    fn thesis_pose(&self) -> Option<PyThesisPose> {
-        self.0.thesis_pose().map(PyThesisPose)
+    fn thesis_pose(&self) -> PyResult<Option<PyThesisPose>> {
+        let poses = self.planar("thesis_pose", "ask for world_from_model, rotation_bound and excursion")?;
+        Ok(poses.thesis_pose().map(PyThesisPose))
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {
         let bound = self.rotation_bound(py);
-        let witness = self.0.witness();
         // The part's size is not known here; a place is told to as many digits as it, or its range, needs.
-        let range = py.detach(|| self.0.excursion(DVec2::ZERO));
-        let scale = witness.translation.abs().max_element().max(range);
-        format!("<PoseSet {}: rotations within {bound:.6} rad>", place(witness, scale))
+        let place = either!(&self.0, poses => {
+            let witness = poses.witness();
+            let range = py.detach(|| poses.excursion(origin()));
+            place(witness, witness.translation.largest_coordinate().max(range))
+        });
+        format!("<PoseSet {place}: rotations within {bound:.6} rad>")
+    }
+}
+
+impl PyPoseSet {
+    /// For what is known of the plane only.
+    fn planar(&self, what: &str, remedy: &str) -> PyResult<&plane::PoseSet> {
+        match &self.0 {
+            In::Plane(poses) => Ok(poses),
+            In::Space(_) => Err(plane_only(what, "poses in space", remedy)),
+        }
     }
 }
 
 /// A pose for a person to read: to a millionth, or as many digits more as a part of `size` needs.
-fn place(pose: Pose, size: f64) -> String {
-    let [x, y] = pose.translation.to_array().map(|length| decimal(length, decimals(size)));
-    format!("at ({x}, {y}), turned {} rad", decimal(pose.angle(), 6))
+fn place<M: Motion>(pose: M, size: f64) -> String {
+    let coordinates = pose.translation().coordinates();
+    let at: Vec<String> = coordinates.iter().map(|length| decimal(*length, decimals(size))).collect();
+    format!("at ({}), turned {} rad", at.join(", "), decimal(pose.angle(), 6))
+}
+
+fn origin<V: Vector>() -> V {
+    V::default()
 }

@@ -3,14 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
-use palpate::{Count, Interpretation};
+use palpate::Count;
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyRange;
 
-use crate::hypothesis::{PyHypothesis, PyInterpretation};
+use crate::dimension::In;
+use crate::hypothesis::{AnyInterpretation, PyHypothesis, PyInterpretation};
 
-type Listing = Box<dyn Iterator<Item = Interpretation> + Send>;
+type Listing = Box<dyn Iterator<Item = AnyInterpretation> + Send>;
 
 #[doc = doc!("Interpretations")]
 #[pyclass(name = "Interpretations", module = "palpate._core", frozen)]
@@ -32,12 +33,15 @@ struct Place {
 
 impl InterpretationIterator {
     /// The next interpretation and the number of its hypothesis.
-    fn advance(&self) -> Option<(usize, Interpretation)> {
+    fn advance(&self) -> Option<(usize, AnyInterpretation)> {
         let mut place = self.place.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
             let number = place.hypothesis;
             let hypothesis = &self.hypotheses.get(number)?.get().hypothesis;
-            let running = place.running.get_or_insert_with(|| Box::new(hypothesis.interpretations()));
+            let running = place.running.get_or_insert_with(|| match hypothesis {
+                In::Plane(one) => Box::new(one.interpretations().map(In::Plane)),
+                In::Space(one) => Box::new(one.interpretations().map(In::Space)),
+            });
             if let Some(found) = running.next() {
                 return Some((number, found));
             }
@@ -45,7 +49,7 @@ impl InterpretationIterator {
         }
     }
 
-    fn wrap(&self, py: Python<'_>, (number, interpretation): (usize, Interpretation)) -> PyInterpretation {
+    fn wrap(&self, py: Python<'_>, (number, interpretation): (usize, AnyInterpretation)) -> PyInterpretation {
         PyInterpretation { interpretation, model: self.hypotheses[number].get().model.clone_ref(py) }
     }
 }

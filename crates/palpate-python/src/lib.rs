@@ -3,6 +3,8 @@
 #![expect(clippy::doc_markdown, reason = "texts for Python, whose sections name arguments and errors bare")]
 
 #[macro_use]
+mod dimension;
+#[macro_use]
 mod docs;
 
 mod contact;

@@ -1,27 +1,32 @@
 //! Models.
 
-use palpate::{Mend, Surface};
+use palpate::{Error, Mend, Surface};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use glam::DVec2;
-use numpy::{PyArray1, PyArray2, PyArray3};
-use palpate::plane::{Line, Model};
+use glam::{DVec2, DVec3};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use palpate::plane::{self, Line};
+use palpate::space::{self, Roundness};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use crate::convert::{self, members, number, raise, restore, text, vector, vectors, vectors_array, whole};
+use crate::convert::{
+    self, damaged, flat, members, number, plane_only, raise, restore, restored, text, vector, vectors,
+    vectors_array, whole,
+};
+use crate::dimension::{AnyModel, In, Vector};
 use crate::first_contact::PyFirstContact;
 
 type Any<'py> = Bound<'py, PyAny>;
-type Pair = (f64, f64);
+type Array1<'py> = Bound<'py, PyArray1<f64>>;
 type Array2<'py> = Bound<'py, PyArray2<f64>>;
 
 #[doc = doc!("Model")]
 #[pyclass(name = "Model", module = "palpate._core", frozen)]
 pub(crate) struct PyModel {
-    pub(crate) model: Arc<Model>,
+    pub(crate) model: AnyModel,
     recipe: Recipe,
 }
 
@@ -41,6 +46,8 @@ struct Recipe {
 enum Shape {
     Polygon { vertices: Vec<DVec2>, holes: Vec<Vec<DVec2>> },
     Segments { segments: Vec<[DVec2; 2]>, seams: Vec<usize> },
+    Mesh { vertices: Vec<DVec3>, triangles: Vec<[u32; 3]> },
+    Facets { loops: Vec<Vec<Vec<DVec3>>>, seams: Vec<usize> },
 }
 
 /// The arguments that all constructors of a model share.
@@ -68,20 +75,30 @@ impl Options<'_, '_> {
 
 impl Recipe {
     fn model(self, py: Python<'_>) -> PyResult<PyModel> {
-        let made = py.detach(|| {
-            let Self { name, untouchable, position_slack, normal_slack, .. } = &self;
-            match &self.shape {
-                Shape::Polygon { vertices, holes } => {
-                    Model::polygon(name, vertices, holes, untouchable, *position_slack, *normal_slack)
-                }
-                Shape::Segments { segments, seams } => {
-                    Model::segments(name, segments, seams, untouchable, *position_slack, *normal_slack)
-                }
+        let model = py.detach(|| self.made()).map_err(raise)?;
+        Ok(PyModel { model, recipe: self })
+    }
+
+    fn made(&self) -> Result<AnyModel, Error> {
+        let Self { name, untouchable, position_slack, normal_slack, .. } = self;
+        let slacks = (*position_slack, *normal_slack);
+        let mut model = match &self.shape {
+            Shape::Polygon { vertices, holes } => {
+                In::Plane(plane::Model::polygon(name, vertices, holes, untouchable, slacks.0, slacks.1)?)
             }
-        });
-        let mut model = made.map_err(raise)?;
-        model.mends.splice(0..0, self.mends.iter().cloned().map(Mend));
-        Ok(PyModel { model: Arc::new(model), recipe: self })
+            Shape::Segments { segments, seams } => {
+                In::Plane(plane::Model::segments(name, segments, seams, untouchable, slacks.0, slacks.1)?)
+            }
+            Shape::Mesh { vertices, triangles } => {
+                In::Space(space::Model::mesh(name, vertices, triangles, untouchable, slacks.0, slacks.1)?)
+            }
+            Shape::Facets { loops, seams } => {
+                In::Space(space::Model::facets(name, loops, seams, untouchable, slacks.0, slacks.1)?)
+            }
+        };
+        let before = self.mends.iter().cloned().map(Mend);
+        either!(&mut model, model => drop(model.mends.splice(0..0, before)));
+        Ok(likewise!(model, model => Arc::new(model)))
     }
 }
 
@@ -104,7 +121,9 @@ impl PyModel {
     #[new]
     #[pyo3(signature = (*_arguments, **_keywords), text_signature = "(*arguments, **keywords)")]
     fn new(_arguments: &Any<'_>, _keywords: Option<&Any<'_>>) -> PyResult<Self> {
-        Err(PyTypeError::new_err("make a Model with Model.polygon, Model.segments or load_models"))
+        Err(PyTypeError::new_err(
+            "make a Model with Model.polygon, segments, mesh or facets, or with load_models",
+        ))
     }
 
     #[doc = doc!("Model.polygon")]
@@ -158,99 +177,206 @@ impl PyModel {
         Options { name, untouchable, position_slack, normal_slack, mends }.model(class.py(), shape)
     }
 
+    #[doc = doc!("Model.mesh")]
+    #[classmethod]
+    #[pyo3(
+        signature = (vertices, triangles, *, name=None, untouchable=None, position_slack=None, normal_slack=None, mends=None),
+        text_signature = "(vertices, triangles, *, name='part', untouchable=(), position_slack=0.0, normal_slack=0.0, mends=())"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
+    fn mesh(
+        class: &Bound<'_, PyType>,
+        vertices: &Any<'_>,
+        triangles: &Any<'_>,
+        name: Option<&Any<'_>>,
+        untouchable: Option<&Any<'_>>,
+        position_slack: Option<&Any<'_>>,
+        normal_slack: Option<&Any<'_>>,
+        mends: Option<&Any<'_>>,
+    ) -> PyResult<Self> {
+        let shape = Shape::Mesh {
+            vertices: vectors("vertices", vertices)?,
+            triangles: convert::triangles("triangles", triangles)?,
+        };
+        Options { name, untouchable, position_slack, normal_slack, mends }.model(class.py(), shape)
+    }
+
+    #[doc = doc!("Model.facets")]
+    #[classmethod]
+    #[pyo3(
+        signature = (loops, *, name=None, seams=None, untouchable=None, position_slack=None, normal_slack=None, mends=None),
+        text_signature = "(loops, *, name='part', seams=(), untouchable=(), position_slack=0.0, normal_slack=0.0, mends=())"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
+    fn facets(
+        class: &Bound<'_, PyType>,
+        loops: &Any<'_>,
+        name: Option<&Any<'_>>,
+        seams: Option<&Any<'_>>,
+        untouchable: Option<&Any<'_>>,
+        position_slack: Option<&Any<'_>>,
+        normal_slack: Option<&Any<'_>>,
+        mends: Option<&Any<'_>>,
+    ) -> PyResult<Self> {
+        let faces = members("loops", loops, "faces", "give each face by its loop, or by a list of them")?;
+        let face = |(k, face)| convert::loops(&format!("loops[{k}]"), face);
+        let loops = faces.iter().enumerate().map(face).collect::<PyResult<_>>()?;
+        let shape = Shape::Facets { loops, seams: numbers("seams", seams)? };
+        Options { name, untouchable, position_slack, normal_slack, mends }.model(class.py(), shape)
+    }
+
     #[doc = doc!("Model.name")]
     #[getter]
     fn name(&self) -> &str {
-        &self.model.name
+        either!(&self.model, model => &model.name)
     }
 
     #[doc = doc!("Model.dimension")]
     #[getter]
-    #[expect(clippy::unused_self, reason = "parts in space will differ")]
     fn dimension(&self) -> usize {
-        2
+        self.model.dimension()
     }
 
     #[doc = doc!("Model.faces")]
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Vec<Array2<'py>>> {
-        self.model.faces.iter().map(|face| vectors_array(py, &[face.start, face.end])).collect()
+        match &self.model {
+            In::Plane(model) => {
+                model.faces.iter().map(|face| vectors_array(py, &[face.start, face.end])).collect()
+            }
+            In::Space(model) => {
+                model.faces.iter().map(|face| corners_array(py, model, &face.loops[0])).collect()
+            }
+        }
+    }
+
+    #[doc = doc!("Model.face_loops")]
+    #[getter]
+    fn face_loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<Vec<Array2<'py>>>> {
+        let In::Space(model) = &self.model else {
+            return Ok(self.faces(py)?.into_iter().map(|face| vec![face]).collect());
+        };
+        let loops = |face: &space::Face| face.loops.iter().map(|one| corners_array(py, model, one)).collect();
+        model.faces.iter().map(loops).collect()
     }
 
     #[doc = doc!("Model.edges")]
     #[getter]
-    #[expect(clippy::unused_self, reason = "parts in space will differ")]
-    fn edges<'py>(&self) -> Vec<Array2<'py>> {
-        Vec::new()
+    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Vec<Array2<'py>>> {
+        match &self.model {
+            In::Plane(_) => Ok(Vec::new()),
+            In::Space(model) => model.edges.iter().map(|edge| corners_array(py, model, &edge.ends)).collect(),
+        }
     }
 
     #[doc = doc!("Model.vertices")]
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
-        vectors_array(py, &self.model.vertices.iter().map(|vertex| vertex.point).collect::<Vec<_>>())
+        either!(&self.model, model => {
+            vectors_array(py, &model.vertices.iter().map(|vertex| vertex.point).collect::<Vec<_>>())
+        })
     }
 
     #[doc = doc!("Model.face_normals")]
     #[getter]
     fn face_normals<'py>(&self, py: Python<'py>) -> PyResult<Array2<'py>> {
-        vectors_array(py, &self.model.faces.iter().map(|face| face.normal).collect::<Vec<_>>())
+        either!(&self.model, model => {
+            vectors_array(py, &model.faces.iter().map(|face| face.normal).collect::<Vec<_>>())
+        })
     }
 
     #[doc = doc!("Model.face_surfaces")]
     #[getter]
     fn face_surfaces(&self) -> Vec<&'static str> {
-        self.model.faces.iter().map(|face| surface_name(face.surface)).collect()
+        either!(&self.model, model => model.faces.iter().map(|face| surface_name(face.surface)).collect())
+    }
+
+    #[doc = doc!("Model.touchable_edges")]
+    #[getter]
+    fn touchable_edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let touchable = match &self.model {
+            In::Plane(_) => Vec::new(),
+            In::Space(model) => model.edges.iter().map(|edge| edge.normals.is_some()).collect(),
+        };
+        convert::fixed(PyArray1::from_vec(py, touchable))
     }
 
     #[doc = doc!("Model.touchable_vertices")]
     #[getter]
     fn touchable_vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let touchable = self.model.vertices.iter().map(|vertex| vertex.normals.is_some());
-        convert::fixed(PyArray1::from_iter(py, touchable))
+        either!(&self.model, model => {
+            let touchable = model.vertices.iter().map(|vertex| vertex.normals.is_some());
+            convert::fixed(PyArray1::from_iter(py, touchable))
+        })
+    }
+
+    #[doc = doc!("Model.triangles")]
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let corners = self.in_triangles().iter().flat_map(|(corners, _)| *corners);
+        convert::fixed(PyArray1::from_iter(py, corners).reshape([self.in_triangles().len(), 3])?)
+    }
+
+    #[doc = doc!("Model.triangle_faces")]
+    #[getter]
+    fn triangle_faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        convert::fixed(PyArray1::from_iter(py, self.in_triangles().iter().map(|(_, face)| *face)))
     }
 
     #[doc = doc!("Model.symmetries")]
     #[getter]
     fn symmetries<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let motions: Vec<_> = self.model.symmetries.iter().map(|symmetry| symmetry.motion).collect();
-        convert::poses_array(py, &motions)
+        either!(&self.model, model => {
+            let motions: Vec<_> = model.symmetries.iter().map(|symmetry| symmetry.motion).collect();
+            convert::poses_array(py, &motions)
+        })
     }
 
     #[doc = doc!("Model.symmetry_axes")]
     #[getter]
-    #[expect(clippy::unused_self, reason = "parts in space will differ")]
-    fn symmetry_axes<'py>(&self) -> Vec<Array2<'py>> {
-        Vec::new()
+    fn symmetry_axes<'py>(&self, py: Python<'py>) -> PyResult<Vec<(Array1<'py>, Array1<'py>)>> {
+        let roundness = if let In::Space(model) = &self.model { model.roundness } else { None };
+        let axes = match roundness {
+            None => Vec::new(),
+            Some(Roundness::Axis { point, direction }) => vec![(point, direction)],
+            Some(Roundness::Ball { center }) => {
+                vec![(center, DVec3::X), (center, DVec3::Y), (center, DVec3::Z)]
+            }
+        };
+        let pair = |(point, direction)| {
+            Ok((convert::vector_array(py, point)?, convert::vector_array(py, direction)?))
+        };
+        axes.into_iter().map(pair).collect()
     }
 
     #[doc = doc!("Model.position_slack")]
     #[getter]
     fn position_slack(&self) -> f64 {
-        self.model.position_slack
+        either!(&self.model, model => model.position_slack)
     }
 
     #[doc = doc!("Model.normal_slack")]
     #[getter]
     fn normal_slack(&self) -> f64 {
-        self.model.normal_slack
+        either!(&self.model, model => model.normal_slack)
     }
 
     #[doc = doc!("Model.mends")]
     #[getter]
     fn mends(&self) -> Vec<&str> {
-        self.model.mends.iter().map(|mend| mend.0.as_str()).collect()
+        either!(&self.model, model => &model.mends).iter().map(|mend| mend.0.as_str()).collect()
     }
 
     #[doc = doc!("Model.size")]
     #[getter]
     fn size(&self) -> f64 {
-        self.model.size
+        either!(&self.model, model => model.size)
     }
 
     #[doc = doc!("Model.closed")]
     #[getter]
     fn closed(&self) -> bool {
-        self.model.closed
+        either!(&self.model, model => model.closed)
     }
 
     #[doc = doc!("Model.first_contact")]
@@ -262,18 +388,30 @@ impl PyModel {
         direction: &Any<'_>,
         tip_radius: Option<&Any<'_>>,
     ) -> PyResult<Option<PyFirstContact>> {
+        let In::Plane(model) = &self.model else {
+            let remedy = "give a model of dimension 2";
+            return Err(plane_only("first_contact", "a model of dimension 3", remedy));
+        };
         let pose = convert::pose("world_from_model", world_from_model)?;
         let line =
             Line { start: vector("start", start)?, direction: convert::direction("direction", direction)? };
         let radius = tip_radius.map_or(Ok(0.0), |radius| convert::length("tip_radius", radius))?;
-        let found = self.model.first_contact(pose, &line, radius);
+        let found = model.first_contact(pose, &line, radius);
         Ok(found.map(|contact| PyFirstContact { contact, line }))
     }
 
     #[doc = doc!("Model.distance")]
     fn distance(&self, world_from_model: &Any<'_>, point: &Any<'_>) -> PyResult<f64> {
-        let pose = convert::pose("world_from_model", world_from_model)?;
-        Ok(self.model.distance(pose, vector("point", point)?))
+        match &self.model {
+            In::Plane(model) => {
+                let pose = convert::pose("world_from_model", world_from_model)?;
+                Ok(model.distance(pose, vector("point", point)?))
+            }
+            In::Space(model) => {
+                let pose: space::Pose = convert::pose("world_from_model", world_from_model)?;
+                Ok(model.signed_distance(pose.inverse().apply(vector("point", point)?)))
+            }
+        }
     }
 
     fn __eq__(&self, other: &Any<'_>) -> bool {
@@ -282,57 +420,120 @@ impl PyModel {
 
     fn __hash__(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
-        (&self.model.name, self.model.faces.len(), self.model.size.to_bits()).hash(&mut hasher);
+        let num_faces = either!(&self.model, model => model.faces.len());
+        (self.name(), num_faces, self.size().to_bits()).hash(&mut hasher);
         hasher.finish()
     }
 
     fn __repr__(&self) -> String {
-        let Model { name, faces, vertices, size, closed, .. } = &*self.model;
-        let kind = if *closed { "" } else { ", open" };
-        let (faces, vertices) = (faces.len(), vertices.len());
-        let size = convert::decimal(*size, convert::decimals(*size));
-        format!("<Model {name:?}: {faces} faces, {vertices} vertices, size {size}{kind}>")
+        let kind = if self.closed() { "" } else { ", open" };
+        let (faces, vertices) = either!(&self.model, model => (model.faces.len(), model.vertices.len()));
+        let edges = match &self.model {
+            In::Plane(_) => String::new(),
+            In::Space(model) => format!(" {} edges,", model.edges.len()),
+        };
+        let size = convert::decimal(self.size(), convert::decimals(self.size()));
+        format!("<Model {:?}: {faces} faces,{edges} {vertices} vertices, size {size}{kind}>", self.name())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, ModelState)> {
-        let recipe = self.recipe.clone();
-        let pairs = |points: Vec<DVec2>| points.into_iter().map(Pair::from).collect::<Vec<_>>();
-        let (closed, loops, seams) = match recipe.shape {
-            Shape::Polygon { vertices, holes } => {
-                (true, std::iter::once(vertices).chain(holes).map(pairs).collect(), Vec::new())
-            }
-            Shape::Segments { segments, seams } => {
-                (false, segments.into_iter().map(|ends| pairs(ends.to_vec())).collect(), seams)
-            }
-        };
-        let Recipe { name, untouchable, position_slack, normal_slack, mends, .. } = recipe;
-        let state = (closed, loops, seams, (name, untouchable, position_slack, normal_slack, mends));
-        Ok((restore::<Self>(py)?, state))
+        let Recipe { name, untouchable, position_slack, normal_slack, mends, .. } = self.recipe.clone();
+        let (kind, loops, numbers) = self.recipe.shape.state();
+        let options = (name, untouchable, position_slack, normal_slack, mends);
+        Ok((restore::<Self>(py)?, (kind.to_owned(), loops, numbers, options)))
     }
 
     /// Undoes `__reduce__`.
     #[classmethod]
+    #[expect(clippy::needless_pass_by_value, reason = "as Python hands it over")]
     fn _restore(
         class: &Bound<'_, PyType>,
-        closed: bool,
-        loops: Vec<Vec<Pair>>,
-        seams: Vec<usize>,
+        kind: &str,
+        loops: Vec<Vec<Vec<f64>>>,
+        numbers: Vec<usize>,
         options: OptionsState,
     ) -> PyResult<Self> {
-        let mut loops =
-            loops.into_iter().map(|points| points.into_iter().map(DVec2::from).collect::<Vec<_>>());
-        let shape = if closed {
-            Shape::Polygon { vertices: loops.next().unwrap_or_default(), holes: loops.collect() }
-        } else {
-            Shape::Segments { segments: loops.map(|ends| [ends[0], ends[1]]).collect(), seams }
-        };
+        let shape = Shape::again(kind, &loops, numbers)?;
         let (name, untouchable, position_slack, normal_slack, mends) = options;
         Recipe { shape, name, untouchable, position_slack, normal_slack, mends }.model(class.py())
     }
 }
 
-/// Closed, loops or segments, seams, and the rest of the recipe.
-type ModelState = (bool, Vec<Vec<Pair>>, Vec<usize>, OptionsState);
+impl PyModel {
+    /// Numbers of corners and the face of each triangle.
+    fn in_triangles(&self) -> &[([u32; 3], u32)] {
+        if let In::Space(model) = &self.model { &model.triangles } else { &[] }
+    }
+}
+
+/// The places of numbered corners.
+fn corners_array<'py>(py: Python<'py>, model: &space::Model, corners: &[u32]) -> PyResult<Array2<'py>> {
+    let points: Vec<DVec3> = corners.iter().map(|corner| model.vertices[*corner as usize].point).collect();
+    vectors_array(py, &points)
+}
+
+impl Shape {
+    /// Its kind, the coordinates of its loops by faces, and seams or triangles.
+    fn state(&self) -> (&'static str, Vec<Vec<Vec<f64>>>, Vec<usize>) {
+        match self {
+            Self::Polygon { vertices, holes } => {
+                let loops = std::iter::once(vertices).chain(holes).map(|points| flat(points)).collect();
+                ("polygon", vec![loops], Vec::new())
+            }
+            Self::Segments { segments, seams } => {
+                let face = |ends: &[DVec2; 2]| vec![flat(ends)];
+                ("segments", segments.iter().map(face).collect(), seams.clone())
+            }
+            Self::Mesh { vertices, triangles } => {
+                let numbers = triangles.as_flattened().iter().map(|number| *number as usize);
+                ("mesh", vec![vec![flat(vertices)]], numbers.collect())
+            }
+            Self::Facets { loops, seams } => {
+                let face = |face: &Vec<Vec<DVec3>>| face.iter().map(|points| flat(points)).collect();
+                ("facets", loops.iter().map(face).collect(), seams.clone())
+            }
+        }
+    }
+
+    /// Undoes `state`.
+    fn again(kind: &str, loops: &[Vec<Vec<f64>>], numbers: Vec<usize>) -> PyResult<Self> {
+        match (kind, loops) {
+            ("polygon", [face]) => {
+                let mut loops = face.iter().map(|flat| points(flat)).collect::<PyResult<Vec<_>>>()?;
+                let holes = loops.split_off(1.min(loops.len()));
+                Ok(Self::Polygon { vertices: loops.pop().unwrap_or_default(), holes })
+            }
+            ("segments", faces) => {
+                let ends = |face: &Vec<Vec<f64>>| {
+                    let ends = face.first().map_or(Ok(Vec::new()), |flat| points(flat))?;
+                    <[DVec2; 2]>::try_from(ends).map_err(|_| damaged())
+                };
+                Ok(Self::Segments {
+                    segments: faces.iter().map(ends).collect::<PyResult<_>>()?,
+                    seams: numbers,
+                })
+            }
+            ("mesh", [face]) => {
+                let triangle = |corners: &[usize]| std::array::from_fn(|k| corners[k] as u32);
+                let vertices = face.first().map_or(Ok(Vec::new()), |flat| points(flat))?;
+                Ok(Self::Mesh { vertices, triangles: numbers.chunks_exact(3).map(triangle).collect() })
+            }
+            ("facets", faces) => {
+                let face = |face: &Vec<Vec<f64>>| face.iter().map(|flat| points(flat)).collect();
+                Ok(Self::Facets { loops: faces.iter().map(face).collect::<PyResult<_>>()?, seams: numbers })
+            }
+            _ => Err(damaged()),
+        }
+    }
+}
+
+/// Points from the numbers of a pickle.
+fn points<V: Vector>(flat: &[f64]) -> PyResult<Vec<V>> {
+    flat.chunks(V::DIMENSION).map(restored).collect()
+}
+
+/// Kind, loops by faces, seams or triangles, and the rest of the recipe.
+type ModelState = (String, Vec<Vec<Vec<f64>>>, Vec<usize>, OptionsState);
 
 /// Name, untouchable, position slack, normal slack, mends.
 type OptionsState = (String, Vec<usize>, f64, f64, Vec<String>);

@@ -87,7 +87,7 @@ impl Options {
             "method" => self.tree.method = method(value)?,
             "max_nodes" => self.tree.max_nodes = whole(name, value, 0)? as usize,
             _ => {
-                let kinds = kinds(value)?;
+                let kinds = kinds(value, false)?;
                 if kinds.is_empty() {
                     return Err(refuse(
                         "features",
@@ -185,7 +185,7 @@ fn stop(value: &Any<'_>) -> PyResult<Stop> {
 }
 
 fn workspace(value: &Any<'_>) -> PyResult<[glam::DVec2; 2]> {
-    let corners = array_of("workspace", value, [2, 2], "(2, 2)")?;
+    let corners = array_of("workspace", value, [2, 2], Some(3))?;
     let [a, b] = [dvec2(corners[0], corners[1]), dvec2(corners[2], corners[3])];
     if a.x == b.x || a.y == b.y {
         return Err(refuse("workspace", "must have an area", value, "give two opposite corners"));

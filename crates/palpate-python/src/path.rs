@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 
 use crate::contact::PyContact;
 use crate::convert::{decimal, decimals, refuse, vector_array};
+use crate::dimension::In;
 
 type Any<'py> = Bound<'py, PyAny>;
 
@@ -186,7 +187,10 @@ impl PyPath {
                 "give palpate.Contact, or None for a miss",
             ));
         };
-        let contact = contact.get().0;
+        let In::Plane(contact) = contact.get().0 else {
+            let problem = "is of space; the path is of the plane";
+            return Err(refuse("contact", problem, given, "give a contact of 2 coordinates"));
+        };
         if contact.tip_radius != self.tip_radius {
             let problem = format!("must have the sensor's tip radius {:?}", self.tip_radius);
             let remedy = "make it with Contact.from_tip and that radius";

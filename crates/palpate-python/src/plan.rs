@@ -7,6 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::contact::PyContact;
 use crate::convert::{members, number, raise, refuse, vector};
+use crate::dimension::In;
 use crate::hypothesis::PyHypothesis;
 use crate::interrupt::interruptible;
 use crate::options::{JUDGED, Options, PLACED, REMEMBERED, SEARCHED, line};
@@ -28,12 +29,23 @@ pub(crate) struct PyPlanReport {
 pub(crate) fn hypotheses(value: &Any<'_>) -> PyResult<Vec<Hypothesis>> {
     let remedy = "give found.hypotheses of a recognition";
     let given = all::<PyHypothesis>("hypotheses", value, "Hypothesis", remedy)?;
-    Ok(given.iter().map(|one| one.get().hypothesis.clone()).collect())
+    given.iter().enumerate().map(|(k, one)| planar(&format!("hypotheses[{k}]"), one)).collect()
+}
+
+/// A hypothesis of a part in the plane.
+fn planar(argument: &str, given: &Bound<'_, PyHypothesis>) -> PyResult<Hypothesis> {
+    match &given.get().hypothesis {
+        In::Plane(hypothesis) => Ok(hypothesis.clone()),
+        In::Space(_) => {
+            let problem = "is of a part in space; planning works in the plane only";
+            Err(refuse(argument, problem, given, "give hypotheses of models of dimension 2"))
+        }
+    }
 }
 
 fn hypothesis(value: &Any<'_>) -> PyResult<Hypothesis> {
     match value.cast::<PyHypothesis>() {
-        Ok(one) => Ok(one.get().hypothesis.clone()),
+        Ok(one) => planar("hypothesis", one),
         Err(_) => Err(refuse("hypothesis", "must be a Hypothesis", value, "give one of found.hypotheses")),
     }
 }
@@ -201,7 +213,9 @@ fn guarded(argument: &str, value: &Any<'_>) -> PyResult<Move> {
         let Ok(contact) = met.cast::<PyContact>() else {
             return Err(refuse(&format!("{argument}[4]"), "must be a Contact", met, MOVE));
         };
-        let contact = contact.get().0;
+        let In::Plane(contact) = contact.get().0 else {
+            return Err(refuse(&format!("{argument}[4]"), "must be a contact of the plane", met, MOVE));
+        };
         Some((contact.center, contact.normal.map(|normal| normal.direction)))
     };
     let line = Line {

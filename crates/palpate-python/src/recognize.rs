@@ -1,8 +1,8 @@
 //! Recognition and its answer.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
-use palpate::plane::Model;
+use glam::{DVec2, DVec3};
 use palpate::{Count, Error, Evidence, ModelReport, Recognition, Settings};
 use pyo3::PyClass;
 use pyo3::prelude::*;
@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::contact::PyContact;
 use crate::convert::{members, number, raise, refuse, text, whole};
+use crate::dimension::{AnyRecognition, In, Side, Vector};
 use crate::evidence::{PyMiss, PyPrior};
 use crate::hypothesis::PyHypothesis;
 use crate::interpretations::PyInterpretations;
@@ -21,7 +22,7 @@ type Any<'py> = Bound<'py, PyAny>;
 #[doc = doc!("Recognition")]
 #[pyclass(name = "Recognition", module = "palpate._core", frozen)]
 pub(crate) struct PyRecognition {
-    found: Recognition,
+    found: AnyRecognition,
     hypotheses: Vec<Py<PyHypothesis>>,
     count: OnceLock<Count>,
 }
@@ -43,39 +44,98 @@ pub(crate) fn recognize(
     tolerance: Option<&Any<'_>>,
     max_hypotheses: Option<&Any<'_>>,
 ) -> PyResult<PyRecognition> {
-    let parts = all::<PyModel>("models", models, "Model", "give a list, as load_models does")?;
-    let evidence = Evidence {
-        contacts: all::<PyContact>("contacts", contacts, "Contact", "give a list of palpate.Contact")?
-            .iter()
-            .map(|contact| contact.get().0)
-            .collect(),
+    let given = Given {
+        models: all("models", models, "Model", "give a list, as load_models does")?,
+        contacts: all("contacts", contacts, "Contact", "give a list of palpate.Contact")?,
         misses: misses
-            .map_or(Ok(Vec::new()), |misses| {
-                all::<PyMiss>("misses", misses, "Miss", "give a list of palpate.Miss")
-            })?
-            .iter()
-            .map(|miss| miss.get().0)
-            .collect(),
+            .map_or(Ok(Vec::new()), |misses| all("misses", misses, "Miss", "give a list of palpate.Miss"))?,
         prior: prior.map(one_prior).transpose()?,
     };
-    let settings = settings(features, tolerance, max_hypotheses)?;
-    let models: Vec<Arc<Model>> = parts.iter().map(|part| Arc::clone(&part.get().model)).collect();
-    let found = interruptible(py, |halt| palpate::recognize_until(&models, &evidence, &settings, halt))?
-        .map_err(raise)?;
-    PyRecognition::new(py, found, &parts)
+    let in_space = given.dimension() == DVec3::DIMENSION;
+    let settings = settings(features, in_space, tolerance, max_hypotheses)?;
+    if in_space { given.recognize::<DVec3>(py, &settings) } else { given.recognize::<DVec2>(py, &settings) }
+}
+
+/// What is to be recognized, of the plane or of space.
+struct Given<'py> {
+    models: Vec<Bound<'py, PyModel>>,
+    contacts: Vec<Bound<'py, PyContact>>,
+    misses: Vec<Bound<'py, PyMiss>>,
+    prior: Option<Bound<'py, PyPrior>>,
+}
+
+impl Given<'_> {
+    /// That of the models; without any, that of the contacts.
+    fn dimension(&self) -> usize {
+        let of_models = self.models.first().map(|model| model.get().model.dimension());
+        let of_contacts = || self.contacts.first().map(|contact| contact.get().0.dimension());
+        of_models.or_else(of_contacts).unwrap_or(DVec2::DIMENSION)
+    }
+
+    fn recognize<V: Vector>(&self, py: Python<'_>, settings: &Settings) -> PyResult<PyRecognition> {
+        let models = sorted::<V, _, _, _>("models", &self.models, |one| &one.model)?;
+        let evidence = Evidence::<V> {
+            contacts: sorted::<V, _, _, _>("contacts", &self.contacts, |one| &one.0)?,
+            misses: sorted::<V, _, _, _>("misses", &self.misses, |one| &one.0)?,
+            prior: self
+                .prior
+                .as_ref()
+                .map(|prior| of::<V, _, _, _>("prior", prior, |one| &one.0))
+                .transpose()?,
+        };
+        let found = interruptible(py, |halt| palpate::recognize_until(&models, &evidence, settings, halt))?
+            .map_err(raise)?;
+        PyRecognition::new(py, found, &self.models)
+    }
+}
+
+/// What each of the objects holds, all of one dimension.
+fn sorted<V, T, P, S>(
+    argument: &str,
+    given: &[Bound<'_, T>],
+    held: impl Fn(&T) -> &In<P, S>,
+) -> PyResult<Vec<<V as Side<P, S>>::One>>
+where
+    V: Vector + Side<P, S, One: Clone>,
+    T: PyClass<Frozen = pyo3::pyclass::boolean_struct::True> + Sync,
+{
+    let one = |(k, one): (usize, &Bound<'_, T>)| of::<V, _, _, _>(&format!("{argument}[{k}]"), one, &held);
+    given.iter().enumerate().map(one).collect()
+}
+
+/// What an object holds, if it is of the dimension.
+fn of<V, T, P, S>(
+    argument: &str,
+    given: &Bound<'_, T>,
+    held: impl Fn(&T) -> &In<P, S>,
+) -> PyResult<<V as Side<P, S>>::One>
+where
+    V: Vector + Side<P, S, One: Clone>,
+    T: PyClass<Frozen = pyo3::pyclass::boolean_struct::True> + Sync,
+{
+    let complain = || {
+        let other = DVec2::DIMENSION + DVec3::DIMENSION - V::DIMENSION;
+        let problem =
+            format!("is of dimension {other}, the first of the models of dimension {}", V::DIMENSION);
+        refuse(argument, &problem, given.as_any(), "don't mix the plane and space")
+    };
+    <V as Side<P, S>>::of(held(given.get())).cloned().ok_or_else(complain)
 }
 
 /// What is given stands in the place of the core's defaults.
 fn settings(
     features: Option<&Any<'_>>,
+    in_space: bool,
     tolerance: Option<&Any<'_>>,
     max_hypotheses: Option<&Any<'_>>,
 ) -> PyResult<Settings> {
     let mut settings = Settings::default();
     if let Some(features) = features {
-        let kinds = kinds(features)?;
-        settings.faces = kinds.iter().any(|kind| kind == "face");
-        settings.vertices = Some(kinds.iter().any(|kind| kind == "vertex"));
+        let kinds = kinds(features, in_space)?;
+        let named = |name: &str| kinds.iter().any(|kind| kind == name);
+        settings.faces = named("face");
+        settings.edges = Some(named("edge"));
+        settings.vertices = Some(named("vertex"));
     }
     if let Some(tolerance) = tolerance {
         settings.tolerance = number("tolerance", tolerance)?;
@@ -87,9 +147,13 @@ fn settings(
 }
 
 /// Names of kinds of features.
-pub(crate) fn kinds(features: &Any<'_>) -> PyResult<Vec<String>> {
-    const REMEDY: &str = "give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")";
-    let given = members("features", features, "names", REMEDY)?;
+pub(crate) fn kinds(features: &Any<'_>, in_space: bool) -> PyResult<Vec<String>> {
+    let remedy = if in_space {
+        "give some of (\"face\", \"edge\", \"vertex\")"
+    } else {
+        "give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"
+    };
+    let given = members("features", features, "names", remedy)?;
     let kinds: Vec<String> = given
         .iter()
         .enumerate()
@@ -98,18 +162,17 @@ pub(crate) fn kinds(features: &Any<'_>) -> PyResult<Vec<String>> {
     for kind in &kinds {
         match kind.as_str() {
             "face" | "vertex" => {}
-            "edge" => return Err(raise(Error::new("features", "no edges in the plane", "'edge'", REMEDY))),
-            _ => return Err(raise(Error::new("features", "unknown kind", format!("'{kind}'"), REMEDY))),
+            "edge" if in_space => {}
+            "edge" => return Err(raise(Error::new("features", "no edges in the plane", "'edge'", remedy))),
+            _ => return Err(raise(Error::new("features", "unknown kind", format!("'{kind}'"), remedy))),
         }
     }
     Ok(kinds)
 }
 
-fn one_prior(prior: &Any<'_>) -> PyResult<palpate::Prior> {
-    match prior.cast::<PyPrior>() {
-        Ok(prior) => Ok(prior.get().0),
-        Err(_) => Err(refuse("prior", "must be a Prior", prior, "give palpate.Prior, or leave it out")),
-    }
+fn one_prior<'py>(prior: &Any<'py>) -> PyResult<Bound<'py, PyPrior>> {
+    let complain = |_| refuse("prior", "must be a Prior", prior, "give palpate.Prior, or leave it out");
+    prior.cast::<PyPrior>().cloned().map_err(complain)
 }
 
 /// The members of a sequence, all of one class.
@@ -129,17 +192,17 @@ pub(crate) fn all<'py, T: PyClass>(
 }
 
 impl PyRecognition {
-    fn new(py: Python<'_>, found: Recognition, parts: &[Bound<'_, PyModel>]) -> PyResult<Self> {
+    fn new<V: Vector>(py: Python<'_>, found: Recognition<V>, parts: &[Bound<'_, PyModel>]) -> PyResult<Self> {
         let hypotheses = found.hypotheses.iter().map(|hypothesis| {
             let model = parts[hypothesis.model_number].clone().unbind();
-            Py::new(py, PyHypothesis::new(hypothesis.clone(), model))
+            Py::new(py, PyHypothesis::new(V::within(hypothesis.clone()), model))
         });
         let hypotheses = hypotheses.collect::<PyResult<_>>()?;
-        Ok(Self { found, hypotheses, count: OnceLock::new() })
+        Ok(Self { found: V::within(found), hypotheses, count: OnceLock::new() })
     }
 
     fn count(&self, py: Python<'_>) -> Count {
-        py.detach(|| *self.count.get_or_init(|| self.found.interpretation_count()))
+        py.detach(|| *self.count.get_or_init(|| either!(&self.found, found => found.interpretation_count())))
     }
 }
 
@@ -172,24 +235,24 @@ impl PyRecognition {
     #[doc = doc!("Recognition.conflict")]
     #[getter]
     fn conflict(&self) -> Option<Vec<usize>> {
-        self.found.conflict.clone()
+        either!(&self.found, found => found.conflict.clone())
     }
 
     #[doc = doc!("Recognition.complete")]
     #[getter]
     fn complete(&self) -> bool {
-        self.found.complete
+        either!(&self.found, found => found.complete)
     }
 
     #[doc = doc!("Recognition.counters")]
     #[getter]
     fn counters<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        self.found.reports.iter().map(|report| counters(py, report)).collect()
+        either!(&self.found, found => &found.reports).iter().map(|report| counters(py, report)).collect()
     }
 
     fn __repr__(&self) -> String {
-        let more = if self.found.complete { "" } else { " of more" };
-        match &self.found.conflict {
+        let more = if self.complete() { "" } else { " of more" };
+        match self.conflict() {
             Some(contacts) => format!("<Recognition: no hypothesis, contacts {contacts:?} in conflict>"),
             None => format!("<Recognition: {} hypotheses{more}>", self.hypotheses.len()),
         }

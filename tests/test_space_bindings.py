@@ -1,0 +1,511 @@
+"""Recognition in space from Python: shapes, known poses, bad input of each kind, the plane mixed with space."""
+
+import copy
+import hashlib
+import math
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from conftest import usual_sensor
+
+import palpate
+
+NAN = math.nan
+ARMS = [[0, 0], [60, 0], [60, 15], [15, 15], [15, 40], [0, 40]]
+FANS = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+SQUARE = [[0, 0], [30, 0], [30, 30], [0, 30]]
+
+
+def prism(outline, fans, height):
+    """Vertices and triangles over an outline; its bottom is face 0, its top face 1, if faces are in the order given."""
+    n = len(outline)
+    vertices = np.array([[x, y, z] for z in (0.0, height) for x, y in outline])
+    bottom = [(a, c, b) for a, b, c in fans]
+    top = [(n + a, n + b, n + c) for a, b, c in fans]
+    sides = [(k, (k + 1) % n, n + (k + 1) % n) for k in range(n)]
+    sides += [(k, n + (k + 1) % n, n + k) for k in range(n)]
+    return vertices, np.array(bottom + top + sides)
+
+
+def bracket(**changes):
+    return palpate.Model.mesh(*prism(ARMS, FANS, 25), name="bracket", **changes)
+
+
+def cube(**changes):
+    return palpate.Model.mesh(*prism(SQUARE, FANS[:2], 30), **({"name": "cube"} | changes))
+
+
+def turned(x, y, z, shift=(0, 0, 0)):
+    """A turn about each axis in turn, then a shift, as a homogeneous matrix."""
+    motion = np.eye(4)
+    for axis, angle in enumerate((x, y, z)):
+        c, s = math.cos(angle), math.sin(angle)
+        turn = np.eye(4)
+        i, j = [k for k in range(3) if k != axis]
+        turn[i, i], turn[i, j], turn[j, i], turn[j, j] = c, -s, s, c
+        motion = turn @ motion
+    motion[:3, 3] = shift
+    return motion
+
+
+POSE = turned(0.4, -0.9, 2.1, (110, -40, 70))
+
+# Points of the bracket, inside its faces, with their outward normals; model frame.
+POINTS = [
+    ((30, 8, 25), (0, 0, 1)),
+    ((7, 30, 25), (0, 0, 1)),
+    ((60, 8, 12), (1, 0, 0)),
+    ((30, 0, 10), (0, -1, 0)),
+    ((8, 40, 15), (0, 1, 0)),
+    ((40, 15, 5), (0, 1, 0)),
+]
+
+
+def touches(points=POINTS, pose=POSE, errors=(0.5, 0.07)):
+    placed = [(pose[:3, :3] @ point + pose[:3, 3], pose[:3, :3] @ normal) for point, normal in points]
+    return [palpate.Contact(*one, position_error=errors[0], normal_error=errors[1]) for one in placed]
+
+
+def copies_of(thing):
+    return [pickle.loads(pickle.dumps(thing)), copy.copy(thing), copy.deepcopy(thing)]
+
+
+def face_of(model, normal, point):
+    """The number of the face with this normal through this point."""
+    planes = zip(model.face_normals, model.faces, strict=True)
+    fits = [np.allclose(n, normal) and abs(n @ (np.array(point) - face[0])) < 1e-9 for n, face in planes]
+    (number,) = np.flatnonzero(fits)
+    return number
+
+
+def test_a_mesh_has_faces_edges_and_vertices():
+    model = bracket(untouchable=[0], position_slack=0.25, normal_slack=0.125)
+    assert (model.name, model.dimension, model.closed, model.mends) == ("bracket", 3, True, [])
+    assert Counter(len(face) for face in model.faces) == {6: 2, 4: 6}
+    assert len(model.edges) == 18 and {edge.shape for edge in model.edges} == {(2, 3)}
+    assert sorted(map(tuple, model.vertices)) == sorted(map(tuple, prism(ARMS, FANS, 25)[0]))
+    assert model.face_normals.shape == (8, 3)
+    for normal, face in zip(model.face_normals, model.faces, strict=True):
+        # Counter-clockwise from outside: Newell's normal is the outward one, and a solid's areas balance.
+        newell = sum(np.cross(a, b) for a, b in zip(face, np.roll(face, -1, axis=0), strict=True))
+        assert np.allclose(newell / np.linalg.norm(newell), normal)
+    assert model.size == pytest.approx(math.hypot(60, 40, 25))
+    assert (model.position_slack, model.normal_slack) == (0.25, 0.125)
+    assert np.array_equal(model.symmetries, [np.eye(4)]) and model.symmetry_axes == []
+    bottom = face_of(model, (0, 0, -1), (0, 0, 0))
+    assert [k for k, one in enumerate(model.face_surfaces) if one == "untouchable"] == [bottom]
+    # Edges at the untouchable bottom can't be touched, nor the one in the corner of the arms.
+    assert model.touchable_edges.sum() == 18 - 6 - 1
+    assert model.touchable_vertices.sum() == 5
+    assert repr(model) == '<Model "bracket": 8 faces, 18 edges, 12 vertices, size 76.321688>'
+
+
+def test_triangles_cover_the_faces():
+    model = bracket()
+    corners = model.vertices[model.triangles]
+    crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    assert np.sum(np.linalg.norm(crosses, axis=1)) == pytest.approx(2 * (60 * 15 + 25 * 15) + 25 * 200)
+    normals = crosses / np.linalg.norm(crosses, axis=1)[:, None]
+    assert np.allclose(normals, model.face_normals[model.triangle_faces])
+    planar = palpate.Model.polygon(SQUARE)
+    assert planar.triangles.shape == (0, 3) and planar.triangle_faces.shape == (0,)
+
+
+def test_a_cube_has_the_turns_of_a_cube():
+    model = cube()
+    assert model.symmetries.shape == (24, 4, 4)
+    for motion in model.symmetries:
+        moved = model.vertices @ motion[:3, :3].T + motion[:3, 3]
+        assert sorted(map(tuple, moved.round(6) + 0.0)) == sorted(map(tuple, model.vertices))
+
+
+def test_a_fine_cylinder_is_round():
+    steps = np.linspace(0, 2 * math.pi, 32, endpoint=False)
+    outline = np.c_[20 * np.cos(steps), 20 * np.sin(steps)]
+    fans = [(0, k, k + 1) for k in range(1, 31)]
+    half = math.pi / 32
+    slacks = {"position_slack": 20 * (1 - math.cos(half)), "normal_slack": half}
+    model = palpate.Model.mesh(*prism(outline, fans, 50), name="pin", **slacks)
+    ((point, direction),) = model.symmetry_axes
+    assert np.allclose(point[:2], 0) and np.allclose(np.abs(direction), (0, 0, 1))
+
+
+def test_facets_need_not_close():
+    floor = [[0, 0, 0], [90, 0, 0], [90, 50, 0], [0, 50, 0]]
+    hole = [[10, 10, 0], [10, 20, 0], [20, 20, 0], [20, 10, 0]]
+    wall = [[0, 50, 0], [90, 50, 0], [90, 50, 70], [0, 50, 70]]
+    model = palpate.Model.facets([[floor, hole], wall], name="corner", untouchable=[1])
+    assert (len(model.faces), model.closed, model.dimension) == (2, False, 3)
+    assert [[len(one) for one in loops] for loops in model.face_loops] == [[4, 4], [4]]
+    assert model.face_surfaces == ["touchable", "untouchable"]
+    assert palpate.Model.facets(np.array([floor, wall])) == palpate.Model.facets([[floor], [wall]])
+    assert palpate.Model.facets([floor, wall], seams=[1]).face_surfaces == ["touchable", "seam"]
+    for twin in copies_of(model):
+        assert twin == model and hash(twin) == hash(model)
+
+
+def test_mends_are_told():
+    vertices, triangles = prism(ARMS, FANS, 25)
+    model = palpate.Model.mesh(vertices, triangles[:, ::-1], mends=["a unit was guessed"])
+    assert model.mends[0] == "a unit was guessed" and len(model.mends) > 1
+    assert model == palpate.Model.mesh(vertices, triangles[:, ::-1], mends=["a unit was guessed"])
+    assert sorted(map(tuple, model.face_normals)) == sorted(map(tuple, bracket().face_normals))
+
+
+def test_models_are_equal_by_their_numbers_and_can_be_pickled():
+    model = bracket(untouchable=[3], position_slack=0.1, mends=["a unit was guessed"])
+    for twin in copies_of(model):
+        assert twin == model and hash(twin) == hash(model)
+        assert twin.mends == model.mends and twin.face_surfaces == model.face_surfaces
+    assert model != bracket() and bracket() != cube() and bracket() == bracket()
+    flat = palpate.Model.polygon(SQUARE, name="cube")
+    assert flat != cube() and cube() != flat
+
+
+def test_distance_in_space():
+    model = bracket()
+    there = POSE[:3, :3] @ (30, 8, 32) + POSE[:3, 3]
+    assert model.distance(POSE, there) == pytest.approx(7)
+    assert model.distance(np.eye(4), (5, 7, 12)) == pytest.approx(-5)
+
+
+def test_contacts_and_misses_of_space():
+    contact = palpate.Contact.from_tip(
+        (1, 2, 3), 1.5, position_error=0.02, approach=(0, 0, -2), normal=(0, 3, 4), normal_error=0.1, start=(1, 2, 9)
+    )
+    assert np.array_equal(contact.center, (1, 2, 3)) and np.allclose(contact.normal, (0, 0.6, 0.8))
+    assert np.array_equal(contact.approach, (0, 0, -1)) and np.array_equal(contact.start, (1, 2, 9))
+    assert (contact.tip_radius, contact.position_error, contact.normal_error) == (1.5, 0.02, 0.1)
+    shown = repr(contact)
+    assert shown.startswith("Contact.from_tip((1.0, 2.0, 3.0), 1.5, position_error=0.02, normal=(0.0, 0.6")
+    miss = palpate.Miss((0, 0, 1), (0, 5, 1), tip_radius=2, path_error=0.5)
+    assert np.array_equal(miss.end, (0, 5, 1))
+    assert repr(miss) == "Miss((0.0, 0.0, 1.0), (0.0, 5.0, 1.0), tip_radius=2.0, path_error=0.5)"
+    for thing in (contact, miss):
+        assert copies_of(thing) == [thing] * 3
+    assert miss != palpate.Miss((0, 0), (0, 5), tip_radius=2, path_error=0.5)
+
+
+def test_priors_of_space():
+    prior = palpate.Prior(POSE, translation=2, rotation=0.3)
+    assert np.allclose(prior.world_from_model, POSE, atol=1e-15)
+    assert (prior.translation, prior.rotation, prior.height, prior.tilt, prior.normal) == (2, 0.3, None, None, None)
+    table = palpate.Prior.on_plane(POSE, translation=20, rotation=math.pi, height=1, tilt=0.05, normal=(0, 0, 2))
+    assert (table.translation, table.rotation, table.height, table.tilt) == (20, math.pi, 1, 0.05)
+    assert np.array_equal(table.normal, (0, 0, 1))
+    assert table == palpate.Prior.on_plane(POSE, translation=20, rotation=math.pi, height=1, tilt=0.05) != prior
+    flat = palpate.Prior(np.eye(3), translation=2, rotation=0.3)
+    assert (flat.height, flat.tilt, flat.normal) == (None, None, None) and flat != prior
+    assert "on_plane" in repr(table) and "on_plane" not in repr(prior)
+    for thing in (prior, table, flat):
+        assert copies_of(thing) == [thing] * 3
+
+
+def test_a_known_pose_is_recognized():
+    model = bracket()
+    found = palpate.recognize([cube(), model], touches())
+    assert found.complete and found.conflict is None and len(found.counters) == 2
+    (right,) = [one for one in found.hypotheses if one.poses.contains(POSE)]
+    assert right.model is model and right.model_number == 1 and not right.marginal
+    truth = [("face", face_of(model, normal, point)) for point, normal in POINTS]
+    assert truth in [one.assignment for one in right.interpretations]
+    assert found.interpretation_count == len(list(found.interpretations))
+    poses = right.poses
+    samples = poses.sample(20, seed=3)
+    assert samples.shape == (20, 4, 4) and poses.sample(0).shape == (0, 4, 4)
+    assert np.array_equal(samples, poses.sample(20, 3)) and not np.array_equal(samples, poses.sample(20, 4))
+    assert len(np.unique(samples.round(9), axis=0)) > 10
+    for pose in [*samples, poses.witness, right.world_from_model]:
+        assert poses.contains(pose)
+    for a in samples:
+        for b in samples:
+            cosine = (np.trace(a[:3, :3].T @ b[:3, :3]) - 1) / 2
+            assert math.acos(np.clip(cosine, -1, 1)) <= poses.rotation_bound + 1e-7
+            moved = (a - b) @ (60, 15, 25, 1)
+            assert np.linalg.norm(moved) <= poses.excursion((60, 15, 25)) + 1e-9
+    assert not poses.contains(turned(0.4, -0.9, 2.1, (113, -40, 70)))
+    assert not poses.contains(turned(0.4, -0.9, 2.4, (110, -40, 70)))
+    assert poses.rotation_bound < 0.3 and poses.excursion((0, 0, 0)) < 20
+    assert repr(right).startswith('<Hypothesis: "bracket" at (') and "rotations within" in repr(poses)
+
+
+def test_an_interpretation_has_its_own_poses():
+    found = palpate.recognize([bracket()], touches(POINTS[:4]))
+    for one in found.interpretations[:3]:
+        assert one.poses.contains(one.world_from_model) and one.poses.sample(2).shape == (2, 4, 4)
+        assert one.poses.rotation_bound <= math.pi
+        assert repr(one).startswith('<Interpretation: "bracket" on face')
+        assert found.hypotheses[0].model is one.model and one.model_number == 0
+
+
+def test_the_truth_is_valid_up_to_symmetry():
+    points = [((10, 12, 30), (0, 0, 1)), ((30, 14, 8), (1, 0, 0)), ((9, 0, 17), (0, -1, 0))]
+    model = cube()
+    found = palpate.recognize([model], touches(points))
+    for motion in model.symmetries:
+        assert any(one.poses.contains(POSE @ motion) for one in found.hypotheses)
+
+
+def test_a_tip_may_rest_on_edges_and_vertices():
+    model = cube()
+    s = math.sqrt(0.5)
+    faces = [((10, 12, 30), (0, 0, 1)), ((9, 0, 17), (0, -1, 0))]
+    edge = np.array([30, 14, 30]) + 2 * np.array([s, 0, s])
+    contacts = [
+        palpate.Contact.from_tip(np.add(point, np.multiply(2, normal)), 2, position_error=0.1, normal=normal, normal_error=0.05)
+        for point, normal in faces
+    ]
+    contacts.append(palpate.Contact.from_tip(edge, 2, position_error=0.1, normal=(s, 0, s), normal_error=0.05))
+
+    def kinds(**rest):
+        found = palpate.recognize([model], contacts, **rest)
+        assert found.hypotheses == [] or any(one.poses.contains(np.eye(4)) for one in found.hypotheses)
+        return {kind for one in found.interpretations for kind, _ in one.assignment}
+
+    assert kinds() == kinds(features=("face", "edge", "vertex")) == {"face", "edge"}
+    assert kinds(features=["edge", "face"]) == {"face", "edge"}
+    assert kinds(features=("face",)) == set()
+    assert palpate.recognize([model], contacts, features=("face",)).conflict == [0, 2]
+
+
+def test_misses_and_priors_are_obeyed():
+    model = bracket()
+    some = touches(POINTS[:2] + POINTS[3:4])
+    inside = POSE[:3, :3] @ (30, 8, 12) + POSE[:3, 3]
+    found = palpate.recognize([model], some)
+    assert any(one.poses.contains(POSE) for one in found.hypotheses)
+    through = palpate.recognize([model], some, misses=[palpate.Miss(inside, inside + 1)])
+    assert not any(one.poses.contains(POSE) for one in through.hypotheses)
+    near = palpate.recognize([model], some, prior=palpate.Prior(POSE, translation=3, rotation=0.2))
+    assert any(one.poses.contains(POSE) for one in near.hypotheses)
+    for pose in [pose for one in near.hypotheses for pose in one.poses.sample(10)]:
+        assert np.all(np.abs(pose[:3, 3] - POSE[:3, 3]) <= 3 + 1e-3)
+    table = palpate.Prior.on_plane(np.eye(4), translation=10, rotation=0.5, height=1, tilt=0.02)
+    lying = palpate.recognize([model], touches(POINTS[:4], np.eye(4)), prior=table)
+    assert any(one.poses.contains(np.eye(4)) for one in lying.hypotheses)
+    for pose in [pose for one in lying.hypotheses for pose in one.poses.sample(10)]:
+        assert abs(pose[2, 3]) <= 1 + 1e-3 and math.acos(min(pose[2, 2], 1)) <= 0.02 + 1e-3
+
+
+def test_contacts_that_no_pose_explains_are_in_conflict():
+    contacts = touches([((0, 0, 0), (0, 0, 1)), ((0, 0, 400), (0, 0, -1))], np.eye(4))
+    found = palpate.recognize([bracket()], contacts)
+    assert found.hypotheses == [] and found.conflict == [0, 1] and not found.interpretations
+    assert "conflict" in repr(found)
+
+
+# What is known of the plane only.
+def hypotheses():
+    return palpate.recognize([bracket()], touches()).hypotheses
+
+
+PLANE_ONLY = [
+    lambda: hypotheses()[0].poses.outline((0, 0, 0)),
+    lambda: hypotheses()[0].poses.thesis_pose,
+    lambda: next(iter(hypotheses()[0].interpretations)).poses.thesis_pose,
+    lambda: bracket().first_contact(np.eye(4), (0, 0, 90), (0, 0, -1)),
+    lambda: palpate.plan(hypotheses(), usual_sensor()),
+    lambda: palpate.plan_report(hypotheses(), usual_sensor()),
+    lambda: palpate.plan_tree(hypotheses(), usual_sensor()),
+    lambda: palpate.judge(hypotheses(), usual_sensor(), (0, 0), (1, 0)),
+    lambda: palpate.verification_path(hypotheses()[0], usual_sensor()),
+    lambda: palpate.projection_space(hypotheses(), usual_sensor()),
+    lambda: palpate.Lines(hypotheses(), usual_sensor()),
+    lambda: palpate.SimulatedProbe(bracket(), POSE, usual_sensor()),
+    lambda: palpate.identify([bracket()], None, usual_sensor(), [[0, 0], [1, 1]]),
+    lambda: palpate.plots.draw_model(bracket()),
+]
+
+
+@pytest.mark.parametrize("call", PLANE_ONLY)
+def test_what_works_in_the_plane_only_says_so(call):
+    with pytest.raises(ValueError, match=r"plane|planar|dimension 2") as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
+def test_a_path_of_the_plane_takes_no_contact_of_space(wedge):
+    contacts = [palpate.Contact((30, 0), (0, -1), position_error=0.5, normal_error=0.07)]
+    found = palpate.recognize([wedge], contacts).hypotheses[:2]
+    path = palpate.judge(found, usual_sensor(), (30, -50), (0, 1))
+    with pytest.raises(ValueError, match="contact: is of space; the path is of the plane"):
+        path.outcome_of(touches()[0])
+
+
+def mesh(vertices=None, triangles=None, **rest):
+    given = prism(ARMS, FANS, 25)
+    vertices, triangles = given[0] if vertices is None else vertices, given[1] if triangles is None else triangles
+    return palpate.Model.mesh(vertices, triangles, **rest)
+
+
+def recognize(models=None, contacts=None, **rest):
+    return palpate.recognize(models or [bracket()], contacts or touches(), **rest)
+
+
+def prior(world_from_model=POSE, **changes):
+    return palpate.Prior.on_plane(
+        world_from_model, **({"translation": 1, "rotation": 1, "height": 1, "tilt": 1} | changes)
+    )
+
+
+def contact(point=(1, 2, 3), **rest):
+    return palpate.Contact(point, position_error=0.5, **rest)
+
+
+def poses():
+    return hypotheses()[0].poses
+
+
+FLAT = palpate.Model.polygon(SQUARE)
+MIXED = "don't mix the plane and space"
+
+# (what is called, what is passed, how the message begins, and what else is in it)
+BAD = [
+    (mesh, {"vertices": [[0, 0], [1, 0], [0, 1]]}, "vertices: must have shape (n, 3), has (3, 2)", MIXED),
+    (mesh, {"vertices": "cube"}, "vertices: must be an array of numbers (got 'cube')", "(n, 3)"),
+    (mesh, {"vertices": [[0, 0, NAN]] * 12}, "vertices: must be finite", "give finite numbers"),
+    (mesh, {"vertices": [[0, 0, 0]] * 12}, "triangles: ", "area"),
+    (mesh, {"triangles": [[0, 1]]}, "triangles: must have shape (m, 3), has (1, 2)", "(m, 3)"),
+    (mesh, {"triangles": []}, "triangles: must have shape (m, 3), has (0,)", "(m, 3)"),
+    (mesh, {"triangles": [[0, 1, 2], [0, 1, 2.5]]}, "triangles[1]: must be numbers of vertices", "from 0"),
+    (mesh, {"triangles": [[0, 1, -2]]}, "triangles[0]: must be numbers of vertices", "from 0"),
+    (mesh, {"triangles": [[0, 1, 2**33]]}, "triangles[0]: must be numbers of vertices", "from 0"),
+    (mesh, {"triangles": [[0, 1, 12]]}, "triangles[0]: ", "12"),
+    (mesh, {"untouchable": [99]}, "untouchable: ", "99"),
+    (mesh, {"untouchable": 3}, "untouchable: must be a sequence of face numbers", "list of int"),
+    (mesh, {"name": " "}, "name: must not be empty", "give the part a name"),
+    (mesh, {"position_slack": -1}, "position_slack: ", "-1"),
+    (mesh, {"normal_slack": 2}, "normal_slack: ", "2"),
+    (palpate.Model.facets, {"loops": "cube"}, "loops: must be a sequence of faces", "'cube'"),
+    (palpate.Model.facets, {"loops": []}, "loops: has no face", "at least one"),
+    (palpate.Model.facets, {"loops": [SQUARE]}, "loops[0]: must have shape (n, 3), has (4, 2)", MIXED),
+    (palpate.Model.facets, {"loops": [[SQUARE]]}, "loops[0][0]: must have shape (n, 3), has (4, 2)", MIXED),
+    (palpate.Model.facets, {"loops": [[[0, 0, NAN]] * 3]}, "loops[0]", "give"),
+    (palpate.Model.facets, {"loops": [5]}, "loops[0]: must be a sequence of loops (got 5)", "(n, 3)"),
+    (contact, {"point": (1, 2, 3, 4)}, "point: must have shape (2,) or (3,), has (4,)", "(2,) or (3,)"),
+    (contact, {"point": (1, 2, NAN)}, "point: must be finite", "give finite numbers"),
+    (contact, {"normal": (0, 1), "normal_error": 0.1}, "normal: must have shape (3,), has (2,)", MIXED),
+    (contact, {"normal": (0, 0, 0), "normal_error": 0.1}, "normal: must not be zero", "any length"),
+    (contact, {"normal": (0, 0, 1)}, "normal_error: must be given with normal", "radians"),
+    (contact, {"approach": (0, 1)}, "approach: must have shape (3,), has (2,)", MIXED),
+    (contact, {"approach": (0, 0, 0)}, "approach: must not be zero", "any length"),
+    (contact, {"start": (0, 1)}, "start: must have shape (3,), has (2,)", MIXED),
+    (contact, {"start": (0, 1, math.inf)}, "start: must be finite", "give finite numbers"),
+    (palpate.Miss, {"start": (0, 0, 0), "end": (1, 0)}, "end: must have shape (3,), has (2,)", MIXED),
+    (palpate.Miss, {"start": (0, 0, 0), "end": (1, 0, 0), "path_error": -1}, "path_error: ", "-1"),
+    (prior, {"world_from_model": np.eye(3)}, "world_from_model: must have shape (4, 4), has (3, 3)", MIXED),
+    (prior, {"world_from_model": np.diag([1, 1, -1, 1])}, "world_from_model: must be a rigid motion", "4x4"),
+    (prior, {"world_from_model": np.full((4, 4), NAN)}, "world_from_model: must be finite", "finite"),
+    (prior, {"height": -1}, "height: must be a finite number, zero or more (got -1)", "length"),
+    (prior, {"tilt": 4}, "tilt: must be an angle in radians from 0 to 3.1416 (got 4)", "radians"),
+    (prior, {"tilt": "5 deg"}, "tilt: must be a number (got '5 deg')", "int or float"),
+    (prior, {"rotation": 4}, "rotation: must be an angle in radians from 0 to 3.1416 (got 4)", "radians"),
+    (prior, {"normal": (0, 0, 0)}, "normal: must not be zero", "any length"),
+    (prior, {"normal": (0, 1)}, "normal: must have shape (3,), has (2,)", MIXED),
+    (recognize, {"models": [bracket(), FLAT]}, "models[1]: is of dimension 2, the first of the models of dimension 3 (got <Model", MIXED),
+    (recognize, {"models": [FLAT]}, "contacts[0]: is of dimension 3, the first of the models of dimension 2 (got Contact(", MIXED),
+    (recognize, {"contacts": [contact(), contact((1, 2))]}, "contacts[1]: is of dimension 2", MIXED),
+    (recognize, {"misses": [palpate.Miss((0, 0), (1, 0))]}, "misses[0]: is of dimension 2", MIXED),
+    (recognize, {"prior": palpate.Prior(np.eye(3), translation=1, rotation=1)}, "prior: is of dimension 2", MIXED),
+    (recognize, {"features": ()}, "features: must not be empty", "give"),
+    (recognize, {"features": ("corner",)}, "features: unknown kind (got 'corner')", '"edge"'),
+    (recognize, {"features": "edge"}, "features: must be a sequence of names (got 'edge')", '"edge"'),
+    (recognize, {"tolerance": 0.5}, "tolerance: is out of range (got 0.5)", "1e-6"),
+    (recognize, {"contacts": [contact((0, 0, 1e12))]}, "contacts[0]: is more than", "models' unit"),
+    (
+        recognize,
+        {"contacts": [contact(normal=(0, 0, 1), normal_error=0.1, approach=(0, 0, 1))]},
+        "contacts[0]: the normal points along the approach",
+        "faulty normal",
+    ),
+    (lambda pose: poses().contains(pose), {"pose": np.eye(3)}, "world_from_model: must have shape (4, 4), has (3, 3)", MIXED),
+    (lambda pose: poses().contains(pose), {"pose": 2 * np.eye(4)}, "world_from_model: must be a rigid motion", "4x4"),
+    (lambda point: poses().excursion(point), {"point": (0, 0)}, "point: must have shape (3,), has (2,)", MIXED),
+    (lambda n: poses().sample(n), {"n": -1}, "n: must be a whole number, 0 or more (got -1)", "int"),
+    (lambda n: poses().sample(n), {"n": 10**12}, "n: is more than ten million", "in parts"),
+    (lambda point: bracket().distance(np.eye(4), point), {"point": (0, 0)}, "point: must have shape (3,), has (2,)", MIXED),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "given", "begins", "holds"), BAD)
+def test_bad_input_is_refused_with_one_line(call, given, begins, holds):
+    with pytest.raises(ValueError) as caught:
+        call(**given)
+    message = str(caught.value)
+    assert message.startswith(begins) and holds in message and "\n" not in message
+    assert "(got " in message and ";" in message
+
+
+def test_damaged_pickles_are_refused():
+    maker, state = bracket().__reduce__()
+    for broken in (("cube", *state[1:]), (state[0], [[[0.0, 1.0]]], *state[2:]), (state[0], [], *state[2:])):
+        with pytest.raises(ValueError):
+            maker(*broken)
+    maker, state = touches()[0].__reduce__()
+    with pytest.raises(ValueError, match="damaged"):
+        maker([1.0], *state[1:])
+    with pytest.raises(ValueError, match="damaged"):
+        maker([1.0, 2.0], *state[1:])  # a normal of three numbers
+    maker, state = palpate.Prior(POSE, translation=1, rotation=1).__reduce__()
+    with pytest.raises(ValueError, match="damaged"):
+        maker(state[0][1:], *state[1:])
+
+
+def fingerprint():
+    """Of all that is told of a problem that has several hypotheses."""
+    digest = hashlib.sha256()
+    found = palpate.recognize([bracket(), cube()], touches(POINTS[:4]))
+    digest.update(repr([found.complete, found.interpretation_count, found.counters]).encode())
+    for one in found.hypotheses:
+        poses = one.poses
+        for array in (poses.witness, one.world_from_model, poses.sample(5, seed=1)):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        digest.update(repr([poses.rotation_bound, poses.excursion((1, 2, 3))]).encode())
+        digest.update(repr([each.assignment for each in one.interpretations]).encode())
+    return len(found.hypotheses), digest.hexdigest()
+
+
+def test_the_same_bits_with_one_thread_and_with_two():
+    def told(threads):
+        environment = {**os.environ, "RAYON_NUM_THREADS": threads, "PYTHONPATH": os.path.dirname(__file__)}
+        script = "from test_space_bindings import fingerprint; print(fingerprint())"
+        run = [sys.executable, "-c", script]
+        return subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout
+
+    assert {told("1"), told("2")} == {f"{fingerprint()}\n"}
+    assert fingerprint()[0] > 0
+
+
+def test_recognition_runs_beside_other_threads():
+    with ThreadPoolExecutor(4) as pool:
+        answers = list(pool.map(lambda _: fingerprint(), range(8)))
+    assert set(answers) == {fingerprint()}
+
+
+class Alarm(Exception):
+    """What the handler of a signal raises."""
+
+
+def test_a_signal_ends_a_long_recognition():
+    def ring(*_):
+        raise Alarm
+
+    blind = [palpate.Contact(one.center, position_error=3.0) for one in touches()]
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.5)
+        started = time.monotonic()
+        with pytest.raises(Alarm):
+            palpate.recognize([bracket()], blind, features=("face", "edge", "vertex"))
+        assert time.monotonic() - started < 20
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
