@@ -62,6 +62,10 @@ def parse_model(name: str, text: str, *, mm_per_unit: float) -> dict[str, Any]:
 
 def document_of(model: Model, unit: str) -> dict[str, Any]:
     """The document that `parse_model` reads as `model`."""
+    if model.dimension != 2:
+        refuse(
+            "model", f"{model.name!r} is of space; JSON holds the plane only", "keep the file it came from"
+        )
     faces = [np.asarray(face).tolist() for face in model.faces]
     surfaces = list(model.face_surfaces)
     document: dict[str, Any] = {"schema": SCHEMA, "version": VERSION, "name": model.name, "unit": unit}

@@ -186,6 +186,12 @@ def sheet_of(contacts: Sequence[Contact], misses: Sequence[Miss], *, prior: Prio
     misses = _all_of("misses", misses, Miss)
     if not isinstance(prior, Prior | None):
         refuse("prior", f"must be a Prior (got {_brief(prior)})", "give palpate.Prior, or leave it out")
+    points = [(f"contacts[{k}]", contact.center) for k, contact in enumerate(contacts)]
+    points += [(f"misses[{k}]", miss.start) for k, miss in enumerate(misses)]
+    points += [] if prior is None else [("prior", prior.world_from_model[0, 1:])]
+    for name, point in points:
+        if len(point) != 2:
+            refuse(name, "is of space (got 3 coordinates)", "contact files hold the plane only")
     return Sheet(
         unit,
         [_entry_of_contact(contact) for contact in contacts],

@@ -14,7 +14,16 @@ from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike
 
 from palpate._core import Contact, Hypothesis, Miss, Model, Recognition
-from palpate.plots.shapes import HALO, Array, draw_contact, draw_miss, draw_model, evidence_points, placed
+from palpate.plots.shapes import (
+    HALO,
+    Array,
+    check_planar,
+    draw_contact,
+    draw_miss,
+    draw_model,
+    evidence_points,
+    placed,
+)
 from palpate.plots.style import (
     CONFLICT,
     RC,
@@ -51,6 +60,7 @@ def plot_recognition(
     have the same.
     """
     drawn = list(found.hypotheses[:MOST_DRAWN])
+    check_planar(hypothesis.model for hypothesis in drawn)
     parts = list(dict.fromkeys(hypothesis.model_number for hypothesis in found.hypotheses))
     corners = [placed(h.world_from_model, h.model.vertices) for h in drawn]
     spike = spike_for(corners, contacts)
@@ -94,6 +104,7 @@ def plot_pose_range(
     be. Dashed, where it is known: the part at its true pose.
     """
     model, poses = hypothesis.model, hypothesis.poses
+    check_planar([model])
     samples = poses.sample(num_samples, seed=seed)
     ranges = [np.asarray(poses.outline(vertex)) for vertex in model.vertices]
     corners = [placed(pose, model.vertices) for pose in [*samples, hypothesis.world_from_model]]
@@ -151,6 +162,7 @@ def plot_models(
     """
     if not models:
         raise ValueError("models: nothing to draw (got none); give at least one model")
+    check_planar(models)
     if contacts is not None and len(contacts) != len(models):
         raise ValueError(
             f"contacts: must have a list for each of {len(models)} models (got {len(contacts)}); "

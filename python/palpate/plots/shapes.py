@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,20 @@ from palpate.plots.style import FAINT, SENSED
 HALO = [patheffects.withStroke(linewidth=2.5, foreground="white")]
 
 Array = NDArray[np.float64]
+
+
+def check_planar(models: Iterable[Model]) -> None:
+    """Pictures are of the plane.
+
+    Raises:
+        ValueError: A model in space is among them.
+    """
+    for k, model in enumerate(models):
+        if model.dimension != 2:
+            raise ValueError(
+                f"models[{k}]: pictures show the plane only (got {model.name!r} of dimension {model.dimension}); "
+                "give models of dimension 2"
+            )
 
 
 def placed(world_from_model: Array, points_model: Array) -> Array:
