@@ -1,4 +1,4 @@
-"""Recognition in space from Python: shapes, known poses, bad input of each kind, the plane mixed with space."""
+"""Recognition in space from Python: shapes, known poses, symmetries, the same bits however many threads."""
 
 import copy
 import hashlib
@@ -11,68 +11,14 @@ import sys
 import time
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
-from types import SimpleNamespace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from brackets import ARMS, FANS, POINTS, POSE, SQUARE, bracket, cube, prism, touches, turned
 from conftest import usual_sensor
 
 import palpate
-
-NAN = math.nan
-ARMS = [[0, 0], [60, 0], [60, 15], [15, 15], [15, 40], [0, 40]]
-FANS = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
-SQUARE = [[0, 0], [30, 0], [30, 30], [0, 30]]
-
-
-def prism(outline, fans, height):
-    """Vertices and triangles over an outline; its bottom is face 0, its top face 1, if faces are in the order given."""
-    n = len(outline)
-    vertices = np.array([[x, y, z] for z in (0.0, height) for x, y in outline])
-    bottom = [(a, c, b) for a, b, c in fans]
-    top = [(n + a, n + b, n + c) for a, b, c in fans]
-    sides = [(k, (k + 1) % n, n + (k + 1) % n) for k in range(n)]
-    sides += [(k, n + (k + 1) % n, n + k) for k in range(n)]
-    return vertices, np.array(bottom + top + sides)
-
-
-def bracket(**changes):
-    return palpate.Model.mesh(*prism(ARMS, FANS, 25), name="bracket", **changes)
-
-
-def cube(**changes):
-    return palpate.Model.mesh(*prism(SQUARE, FANS[:2], 30), **({"name": "cube"} | changes))
-
-
-def turned(x, y, z, shift=(0, 0, 0)):
-    """A turn about each axis in turn, then a shift, as a homogeneous matrix."""
-    motion = np.eye(4)
-    for axis, angle in enumerate((x, y, z)):
-        c, s = math.cos(angle), math.sin(angle)
-        turn = np.eye(4)
-        i, j = [k for k in range(3) if k != axis]
-        turn[i, i], turn[i, j], turn[j, i], turn[j, j] = c, -s, s, c
-        motion = turn @ motion
-    motion[:3, 3] = shift
-    return motion
-
-
-POSE = turned(0.4, -0.9, 2.1, (110, -40, 70))
-
-# Points of the bracket, inside its faces, with their outward normals; model frame.
-POINTS = [
-    ((30, 8, 25), (0, 0, 1)),
-    ((7, 30, 25), (0, 0, 1)),
-    ((60, 8, 12), (1, 0, 0)),
-    ((30, 0, 10), (0, -1, 0)),
-    ((8, 40, 15), (0, 1, 0)),
-    ((40, 15, 5), (0, 1, 0)),
-]
-
-
-def touches(points=POINTS, pose=POSE, errors=(0.5, 0.07)):
-    placed = [(pose[:3, :3] @ point + pose[:3, 3], pose[:3, :3] @ normal) for point, normal in points]
-    return [palpate.Contact(*one, position_error=errors[0], normal_error=errors[1]) for one in placed]
 
 
 def copies_of(thing):
@@ -326,156 +272,12 @@ def test_contacts_that_no_pose_explains_are_in_conflict():
     assert "conflict" in repr(found)
 
 
-# What is known of the plane only.
-def hypotheses():
-    return palpate.recognize([bracket()], touches()).hypotheses
-
-
-IDLE = SimpleNamespace(touch=print, move=print, position=print)
-PLANE_ONLY = [
-    lambda: hypotheses()[0].poses.outline((0, 0, 0)),
-    lambda: hypotheses()[0].poses.thesis_pose,
-    lambda: next(iter(hypotheses()[0].interpretations)).poses.thesis_pose,
-    lambda: bracket().first_contact(np.eye(4), (0, 0, 90), (0, 0, -1)),
-    lambda: palpate.plan(hypotheses(), usual_sensor()),
-    lambda: palpate.plan_report(hypotheses(), usual_sensor()),
-    lambda: palpate.plan_tree(hypotheses(), usual_sensor()),
-    lambda: palpate.judge(hypotheses(), usual_sensor(), (0, 0), (1, 0)),
-    lambda: palpate.verification_path(hypotheses()[0], usual_sensor()),
-    lambda: palpate.projection_space(hypotheses(), usual_sensor()),
-    lambda: palpate.Lines(hypotheses(), usual_sensor()),
-    lambda: palpate.SimulatedProbe(bracket(), POSE, usual_sensor()),
-    lambda: palpate.identify([bracket()], IDLE, usual_sensor(), [[0, 0], [1, 1]]),
-    lambda: palpate.plots.plot_models([bracket()]),
-    lambda: palpate.plots.plot_recognition(palpate.recognize([bracket()], touches()), touches()),
-    lambda: palpate.plots.plot_pose_range(hypotheses()[0]),
-    lambda: palpate.write_contacts("never.csv", touches()),
-    lambda: palpate.write_contacts("never.csv", [], misses=[palpate.Miss((0, 0, 0), (1, 0, 0))]),
-    lambda: palpate.write_contacts("never.json", [], prior=palpate.Prior(POSE, translation=1, rotation=1)),
-    lambda: palpate.save_model(bracket(), "never.json"),
-]
-
-
-@pytest.mark.parametrize("call", PLANE_ONLY)
-def test_what_works_in_the_plane_only_says_so(call):
-    with pytest.raises(ValueError, match=r"plane|planar|dimension 2") as caught:
-        call()
-    assert "\n" not in str(caught.value)
-
-
 def test_a_path_of_the_plane_takes_no_contact_of_space(wedge):
     contacts = [palpate.Contact((30, 0), (0, -1), position_error=0.5, normal_error=0.07)]
     found = palpate.recognize([wedge], contacts).hypotheses[:2]
     path = palpate.judge(found, usual_sensor(), (30, -50), (0, 1))
     with pytest.raises(ValueError, match="contact: is of space; the path is of the plane"):
         path.outcome_of(touches()[0])
-
-
-def mesh(vertices=None, triangles=None, **rest):
-    given = prism(ARMS, FANS, 25)
-    vertices, triangles = (
-        given[0] if vertices is None else vertices,
-        given[1] if triangles is None else triangles,
-    )
-    return palpate.Model.mesh(vertices, triangles, **rest)
-
-
-def recognize(models=None, contacts=None, **rest):
-    return palpate.recognize(models or [bracket()], contacts or touches(), **rest)
-
-
-def prior(world_from_model=POSE, **changes):
-    return palpate.Prior.on_plane(
-        world_from_model, **({"translation": 1, "rotation": 1, "height": 1, "tilt": 1} | changes)
-    )
-
-
-def contact(point=(1, 2, 3), **rest):
-    return palpate.Contact(point, position_error=0.5, **rest)
-
-
-def poses():
-    return hypotheses()[0].poses
-
-
-FLAT = palpate.Model.polygon(SQUARE)
-MIXED = "don't mix the plane and space"
-
-# (what is called, what is passed, how the message begins, and what else is in it)
-BAD = [
-    (mesh, {"vertices": [[0, 0], [1, 0], [0, 1]]}, "vertices: must have shape (n, 3), has (3, 2)", MIXED),
-    (mesh, {"vertices": "cube"}, "vertices: must be an array of numbers (got 'cube')", "(n, 3)"),
-    (mesh, {"vertices": [[0, 0, NAN]] * 12}, "vertices: must be finite", "give finite numbers"),
-    (mesh, {"vertices": [[k, 0, 0] for k in range(12)]}, "triangles: ", "area"),
-    (mesh, {"triangles": [[0, 1]]}, "triangles: must have shape (m, 3), has (1, 2)", "(m, 3)"),
-    (mesh, {"triangles": []}, "triangles: must have shape (m, 3), has (0,)", "(m, 3)"),
-    (mesh, {"triangles": [[0, 1, 2], [0, 1, 2.5]]}, "triangles[1]: must be numbers of vertices", "from 0"),
-    (mesh, {"triangles": [[0, 1, -2]]}, "triangles[0]: must be numbers of vertices", "from 0"),
-    (mesh, {"triangles": [[0, 1, 2**33]]}, "triangles[0]: must be numbers of vertices", "from 0"),
-    (mesh, {"triangles": [[0, 1, 12]]}, "triangles: triangle 0 names a vertex", "12"),
-    (mesh, {"untouchable": [99]}, "untouchable: ", "99"),
-    (mesh, {"untouchable": 3}, "untouchable: must be a sequence of face numbers", "list of int"),
-    (mesh, {"name": " "}, "name: must not be empty", "give the part a name"),
-    (mesh, {"position_slack": -1}, "position_slack: ", "-1"),
-    (mesh, {"normal_slack": 2}, "normal_slack: ", "2"),
-    (palpate.Model.facets, {"loops": "cube"}, "loops: must be a sequence of faces", "'cube'"),
-    (palpate.Model.facets, {"loops": []}, "loops: has no face", "at least one"),
-    (palpate.Model.facets, {"loops": [SQUARE]}, "loops[0]: must have shape (n, 3), has (4, 2)", MIXED),
-    (palpate.Model.facets, {"loops": [[SQUARE]]}, "loops[0][0]: must have shape (n, 3), has (4, 2)", MIXED),
-    (palpate.Model.facets, {"loops": [[[0, 0, NAN]] * 3]}, "loops[0]", "give"),
-    (palpate.Model.facets, {"loops": [5]}, "loops[0]: must be a sequence of loops (got 5)", "(n, 3)"),
-    (contact, {"point": (1, 2, 3, 4)}, "point: must have shape (2,) or (3,), has (4,)", "(2,) or (3,)"),
-    (contact, {"point": (1, 2, NAN)}, "point: must be finite", "give finite numbers"),
-    (contact, {"normal": (0, 1), "normal_error": 0.1}, "normal: must have shape (3,), has (2,)", MIXED),
-    (contact, {"normal": (0, 0, 0), "normal_error": 0.1}, "normal: must not be zero", "any length"),
-    (contact, {"normal": (0, 0, 1)}, "normal_error: must be given with normal", "radians"),
-    (contact, {"approach": (0, 1)}, "approach: must have shape (3,), has (2,)", MIXED),
-    (contact, {"approach": (0, 0, 0)}, "approach: must not be zero", "any length"),
-    (contact, {"start": (0, 1)}, "start: must have shape (3,), has (2,)", MIXED),
-    (contact, {"start": (0, 1, math.inf)}, "start: must be finite", "give finite numbers"),
-    (palpate.Miss, {"start": (0, 0, 0), "end": (1, 0)}, "end: must have shape (3,), has (2,)", MIXED),
-    (palpate.Miss, {"start": (0, 0, 0), "end": (1, 0, 0), "path_error": -1}, "path_error: ", "-1"),
-    (prior, {"world_from_model": np.eye(3)}, "world_from_model: must have shape (4, 4), has (3, 3)", MIXED),
-    (prior, {"world_from_model": np.diag([1, 1, -1, 1])}, "world_from_model: must be a rigid motion", "4x4"),
-    (prior, {"world_from_model": np.full((4, 4), NAN)}, "world_from_model: must be finite", "finite"),
-    (prior, {"height": -1}, "height: must be a finite number, zero or more (got -1)", "length"),
-    (prior, {"tilt": 4}, "tilt: must be an angle in radians from 0 to 3.1416 (got 4)", "radians"),
-    (prior, {"tilt": "5 deg"}, "tilt: must be a number (got '5 deg')", "int or float"),
-    (prior, {"rotation": 4}, "rotation: must be an angle in radians from 0 to 3.1416 (got 4)", "radians"),
-    (prior, {"normal": (0, 0, 0)}, "normal: must not be zero", "any length"),
-    (prior, {"normal": (0, 1)}, "normal: must have shape (3,), has (2,)", MIXED),
-    (recognize, {"models": [bracket(), FLAT]}, "models[1]: is of dimension 2, the first of the models of dimension 3 (got <Model", MIXED),
-    (recognize, {"models": [FLAT]}, "contacts[0]: is of dimension 3, the first of the models of dimension 2 (got Contact(", MIXED),
-    (recognize, {"contacts": [contact(), contact((1, 2))]}, "contacts[1]: is of dimension 2", MIXED),
-    (recognize, {"misses": [palpate.Miss((0, 0), (1, 0))]}, "misses[0]: is of dimension 2", MIXED),
-    (recognize, {"prior": palpate.Prior(np.eye(3), translation=1, rotation=1)}, "prior: is of dimension 2", MIXED),
-    (recognize, {"features": ()}, "features: must not be empty", "give"),
-    (recognize, {"features": ("corner",)}, "features: unknown kind (got 'corner')", '"edge"'),
-    (recognize, {"features": "edge"}, "features: must be a sequence of names (got 'edge')", '"edge"'),
-    (recognize, {"tolerance": 0.5}, "tolerance: is out of range (got 0.5)", "1e-6"),
-    (recognize, {"contacts": [contact((0, 0, 1e12))]}, "contacts[0]: is more than", "models' unit"),
-    (
-        recognize,
-        {"contacts": [contact(normal=(0, 0, 1), normal_error=0.1, approach=(0, 0, 1))]},
-        "contacts[0]: the normal points along the approach",
-        "faulty normal",
-    ),
-    (lambda pose: poses().contains(pose), {"pose": np.eye(3)}, "world_from_model: must have shape (4, 4), has (3, 3)", MIXED),
-    (lambda pose: poses().contains(pose), {"pose": 2 * np.eye(4)}, "world_from_model: must be a rigid motion", "4x4"),
-    (lambda point: poses().excursion(point), {"point": (0, 0)}, "point: must have shape (3,), has (2,)", MIXED),
-    (lambda n: poses().sample(n), {"n": -1}, "n: must be a whole number, 0 or more (got -1)", "int"),
-    (lambda n: poses().sample(n), {"n": 10**12}, "n: is more than ten million", "in parts"),
-    (lambda point: bracket().distance(np.eye(4), point), {"point": (0, 0)}, "point: must have shape (3,), has (2,)", MIXED),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("call", "given", "begins", "holds"), BAD)
-def test_bad_input_is_refused_with_one_line(call, given, begins, holds):
-    with pytest.raises(ValueError) as caught:
-        call(**given)
-    message = str(caught.value)
-    assert message.startswith(begins) and holds in message and "\n" not in message
-    assert "(got " in message and ";" in message
 
 
 def test_damaged_pickles_are_refused():
@@ -509,7 +311,7 @@ def fingerprint():
 
 def test_the_same_bits_with_one_thread_and_with_two():
     def told(threads):
-        environment = {**os.environ, "RAYON_NUM_THREADS": threads, "PYTHONPATH": os.path.dirname(__file__)}
+        environment = {**os.environ, "RAYON_NUM_THREADS": threads, "PYTHONPATH": str(Path(__file__).parent)}
         script = "from test_space_bindings import fingerprint; print(fingerprint())"
         run = [sys.executable, "-c", script]
         return subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout

@@ -30,7 +30,7 @@ def check_planar(models: Iterable[Model]) -> None:
     for k, model in enumerate(models):
         if model.dimension != 2:
             raise ValueError(
-                f"models[{k}]: pictures show the plane only (got {model.name!r} of dimension {model.dimension}); "
+                f"models[{k}]: pictures show the plane only (got {model.name!r}, of space); "
                 "give models of dimension 2"
             )
 
