@@ -20,7 +20,7 @@ from palpate import Contact, Miss, Prior
 from .shapes import Array, Mask, Shape, point_distances, wrap
 from .sweeps import least_distances
 
-Feature = tuple[Literal["face", "vertex"], int]
+Feature = tuple[Literal["face", "edge", "vertex"], int]
 Assignment = list[Feature]
 
 #: Rounding, as a share of the lengths that occur.
