@@ -5,8 +5,7 @@ outlines, and holes of the ones around them; several outlines are several models
 where nothing is closed, the lines are loose faces. Curves become chords, and the model says what that costs:
 `position_slack` and `normal_slack` are added to the bounds of every contact.
 
-STL, OBJ, PLY, OFF, 3MF and STEP files are solids, which `Model` can't hold yet: `palpate.solids` reads them as
-arrays. Bodies that don't meet are several models, as outlines are.
+STL, OBJ, PLY, OFF, 3MF and STEP files are solids. Bodies that don't meet are several models, as outlines are.
 """
 
 from __future__ import annotations
@@ -28,8 +27,7 @@ from palpate.outlines import Drawing, OutlineError, Shape, shapes_of
 from palpate.parts import part_names, part_path
 from palpate.solids import SOLID_SUFFIXES, solid_parts
 
-# The core of this build may know the plane alone.
-SUFFIXES = (".json", ".dxf", ".svg") + (SOLID_SUFFIXES if hasattr(Model, "mesh") else ())
+SUFFIXES = (".json", ".dxf", ".svg", *SOLID_SUFFIXES)
 
 _FLATTENING_MM = 0.05
 # As a share of the drawing.
@@ -49,8 +47,7 @@ def load_models(
     """Models of files, folders and bundled parts, in this order; a folder's files by name.
 
     Args:
-        paths: JSON, DXF and SVG files, folders of them, or names of bundled parts such as "boot". Files of
-            solids are read as soon as `Model` can hold them.
+        paths: Files of models, drawings and solids, folders of them, or bundled parts by name, as "boot".
         unit: Unit of the models that are returned; files in another one are converted.
         flattening: How far chords may be from their curves, triangles from the surfaces of a STEP file, and
             ends that are to be joined from each other, in `unit`. Else 0.05 mm.
@@ -292,20 +289,12 @@ def _model(file_name: str, arguments: dict[str, Any]) -> Model:
     arguments = dict(arguments)
     try:
         if "triangles" in arguments:
-            return _mesh_model(arguments)
+            return Model.mesh(arguments.pop("vertices"), arguments.pop("triangles"), **arguments)
         if "outer" in arguments:
             return Model.polygon(arguments.pop("outer"), **arguments)
         return Model.segments(arguments.pop("segments"), **arguments)
     except ValueError as error:
         raise ValueError(f"{file_name}: {error}") from None
-
-
-def _mesh_model(arguments: dict[str, Any]) -> Model:
-    """The solid model of vertices, triangles and what `Model.mesh` takes by name."""
-    arguments = dict(arguments)
-    vertices, triangles = arguments.pop("vertices"), arguments.pop("triangles")
-    model: Model = getattr(Model, "mesh")(vertices, triangles, **arguments)  # noqa: B009
-    return model
 
 
 def _text_of(file: Path) -> str:
