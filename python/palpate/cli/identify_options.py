@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from palpate.cli import options
-from palpate.cli.plan_options import numbers_of, one_of
+from palpate.cli.options import numbers_of
+from palpate.cli.plan_options import one_of
 from palpate.usual import NORMAL_ERROR_DEG
 
 NOISES = ("uniform", "bounds", "none")

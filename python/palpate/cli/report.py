@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,9 +15,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from palpate import Found, Hypothesis, Model, Recognition
-from palpate.cli.documents import excursion_bound, hypothesis_count, planar
+from palpate.cli.documents import components, excursion_bound, hypothesis_count, planar
 from palpate.cli.parts import Parts, slack_words, with_flags
 from palpate.contacts import Evidence
+from palpate.rotations import vector_of
 
 MOST_ROWS = 40
 MOST_IN_LINE = 8  # numbers that are listed one by one
@@ -57,9 +59,11 @@ def print_recognition(
     console.print(_hypothesis_table(found.hypotheses[:MOST_ROWS], labels))
     if len(found.hypotheses) > MOST_ROWS:
         console.print(f"... and {len(found.hypotheses) - MOST_ROWS} more; --json lists all of them.")
+    in_space = found.hypotheses[0].model.dimension == 3
+    angles = "rx, ry, rz: the axis times the angle, in degrees" if in_space else "angles in degrees"
     console.print(
-        f"x, y, shift in {unit}, angles in degrees. Turn, shift: no two poses of one hypothesis differ "
-        "by more; the shift is that of any vertex of the part."
+        f"x, y, {'z, ' if in_space else ''}shift in {unit}, {angles}. Turn, shift: no two poses of one "
+        "hypothesis differ by more; the shift is that of any vertex of the part."
     )
     if any(hypothesis.marginal for hypothesis in found.hypotheses):
         console.print("* marginal: holds only within the tolerance of the search.")
@@ -84,7 +88,8 @@ def print_models(console: Console, parts: Parts, *, unit: str) -> None:
     """What was read of each model; what was changed in reading comes first."""
     for number, (model, label) in enumerate(zip(parts.models, parts.labels, strict=True), start=1):
         kind = "closed" if model.closed else "open"
-        counts = f"{_count(len(model.faces), 'face')}, {_count(len(model.vertices), 'vertex')}"
+        numbers = {"face": len(model.faces), "edge": len(model.edges), "vertex": len(model.vertices)}
+        counts = ", ".join(_count(n, noun) for noun, n in numbers.items() if noun != "edge" or n)
         console.print(f"[bold]{escape(label)}[/bold]: {counts}, {kind}, size {model.size:.6g} {unit}")
         for mend in model.mends:
             console.print(f"  mended: {with_flags(mend)}", markup=False, soft_wrap=True)
@@ -95,11 +100,13 @@ def print_models(console: Console, parts: Parts, *, unit: str) -> None:
             console.print(f"  the same as model {first}")
         if model.position_slack or model.normal_slack:
             slack = slack_words(model, unit=unit)
-            console.print(f"  slack of the outline: {slack}, added to the errors of every contact")
+            of = "outline" if model.dimension == 2 else "surface"
+            console.print(f"  slack of the {of}: {slack}, added to the errors of every contact")
         console.print(f"  symmetries: {_symmetries(model)}")
-        untouchable = [k for k, touchable in enumerate(model.touchable_vertices) if not touchable]
-        if untouchable:
-            console.print(f"  vertices that can't be touched: {_numbers(untouchable)}")
+        for nouns, touchable in (("edges", model.touchable_edges), ("vertices", model.touchable_vertices)):
+            untouchable = [int(k) for k in np.flatnonzero(~np.asarray(touchable))]
+            if untouchable:
+                console.print(f"  {nouns} that can't be touched: {_numbers(untouchable)}")
         console.print(_face_table(model, unit=unit))
         if len(model.faces) > MOST_ROWS:
             console.print(f"  ... and {len(model.faces) - MOST_ROWS} more faces; --json lists all of them.")
@@ -157,18 +164,16 @@ def _hypothesis_table(hypotheses: Sequence[Hypothesis], labels: Sequence[str]) -
     table = Table(box=box.SIMPLE_HEAD)
     table.add_column("#", justify="right")
     table.add_column("part", style="bold")
-    for head in ("interpr.", "x", "y", "angle", "turn ≤", "shift ≤"):
+    poses = [components(hypothesis.world_from_model) for hypothesis in hypotheses]
+    for head in ("interpr.", *(name.removesuffix("_deg") for name in poses[0]), "turn ≤", "shift ≤"):
         table.add_column(head, justify="right")
     size = min(hypothesis.model.size for hypothesis in hypotheses)
-    for number, hypothesis in enumerate(hypotheses, start=1):
-        x, y, angle_deg = planar(hypothesis.world_from_model)
+    for number, (hypothesis, pose) in enumerate(zip(hypotheses, poses, strict=True), start=1):
         table.add_row(
             str(number),
             escape(labels[hypothesis.model_number]) + (" *" if hypothesis.marginal else ""),
             _at_least_number(hypothesis.interpretation_count, hypothesis.interpretation_count_exact),
-            decimal(x, size),
-            decimal(y, size),
-            f"{angle_deg:.2f}",
+            *(f"{v:.2f}" if name.endswith("_deg") else decimal(v, size) for name, v in pose.items()),
             _bound(math.degrees(hypothesis.poses.rotation_bound)),
             _bound(excursion_bound(hypothesis)),
         )
@@ -187,6 +192,8 @@ def _print_interpretations(console: Console, hypothesis: Hypothesis, *, num_list
 
 def _face_table(model: Model, *, unit: str) -> Table:
     table = Table(box=box.SIMPLE_HEAD)
+    if model.dimension == 3:
+        return _flat_face_table(table, model, unit=unit)
     for head in ("face", f"from ({unit})", f"to ({unit})", "length", "normal (°)"):
         table.add_column(head, justify="right")
     table.add_column("surface")
@@ -202,12 +209,36 @@ def _face_table(model: Model, *, unit: str) -> Table:
     return table
 
 
+def _flat_face_table(table: Table, model: Model, *, unit: str) -> Table:
+    for head in ("face", "corners", "holes", f"middle ({unit})", f"area ({unit}²)", "normal"):
+        table.add_column(head, justify="right")
+    table.add_column("surface")
+    corners = model.vertices[model.triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = 0.5 * np.linalg.norm(across, axis=1)
+    for index, loops in enumerate(model.face_loops[:MOST_ROWS]):
+        area = float(areas[model.triangle_faces == index].sum())
+        table.add_row(
+            str(index),
+            str(sum(map(len, loops))),
+            str(len(loops) - 1),
+            ", ".join(decimal(value, model.size) for value in loops[0].mean(axis=0)),
+            # A seam has no triangles: nothing is there.
+            "" if model.face_surfaces[index] == "seam" else f"{area:.5g}",
+            ", ".join(decimal(value, 1.0) for value in model.face_normals[index]),
+            model.face_surfaces[index],
+        )
+    return table
+
+
 def _direction_deg(vector: NDArray[np.float64]) -> float:
     # Adding zero turns -0.0, whose direction would be -180 or -0.0, into 0.0.
     return math.degrees(math.atan2(vector[1] + 0.0, vector[0] + 0.0))
 
 
 def _symmetries(model: Model) -> str:
+    if model.dimension == 3:
+        return _symmetries_in_space(model)
     turns = sorted(planar(motion)[2] % 360.0 for motion in model.symmetries)
     others = [f"{turn:.4g}°" for turn in turns if 1e-6 < turn < 360.0 - 1e-6]
     if not others:
@@ -216,6 +247,19 @@ def _symmetries(model: Model) -> str:
         # All are turns, so that they are the multiples of the smallest.
         return f"looks the same turned by multiples of {others[0]}, {len(turns)} in a full turn"
     return f"looks the same turned by {', '.join(others)}"
+
+
+def _symmetries_in_space(model: Model) -> str:
+    turns = [np.degrees(vector_of(motion[:3, :3])) for motion in model.symmetries]
+    # The turn of an axis may be said either way round; a half turn is its own opposite.
+    angles = Counter(f"{angle:.4g}°" for angle in sorted(map(np.linalg.norm, turns)) if angle > 1e-6)
+    said = [f"{number} turn{'' if number == 1 else 's'} by {angle}" for angle, number in angles.items()]
+    for point, along in model.symmetry_axes:
+        axis, through = (
+            ", ".join(decimal(v, s) for v in of) for of, s in ((along, 1.0), (point, model.size))
+        )
+        said.append(f"any turn about ({axis}) through ({through})")
+    return f"looks the same after {_words(said)}" if said else "none"
 
 
 def _numbers(numbers: Sequence[int]) -> str:
