@@ -27,7 +27,7 @@ def planar(pose: Any) -> tuple[float, float, float]:
 
 
 def components(pose: Any) -> dict[str, float]:
-    """A pose as people read it: `x, y, angle_deg`; in space `x, y, z` and a vector, `rx_deg, ry_deg, rz_deg`."""
+    """A pose as people read it: `x, y, angle_deg`; in space `x, y, z` and the vector `rx_deg, ...`."""
     matrix = np.asarray(pose, dtype=float)
     if len(matrix) == 3:
         return dict(zip(("x", "y", "angle_deg"), planar(matrix), strict=True))

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from palpate.parts import contacts_path
+
 KINDS = ("face", "edge", "vertex")
 MOST_LISTED = 1_000_000
 MOST_HYPOTHESES = 1_000_000_000
@@ -70,6 +72,12 @@ def on_table(text: str) -> str:
     return text
 
 
+def contacts_file(text: str) -> Path:
+    """A file, or that of the contacts that come with a bundled part."""
+    bundled = None if Path(text).exists() else contacts_path(text)
+    return bundled or Path(text)
+
+
 def kinds(text: str) -> str:
     """Kinds of features, separated by commas: `face,vertex`."""
     names = [name.strip() for name in text.split(",")]
@@ -90,7 +98,14 @@ Models = Annotated[
     typer.Argument(metavar="MODEL", help="Files, folders or names of bundled parts.", show_default=False),
 ]
 ContactsFile = Annotated[
-    Path, typer.Option("--contacts", metavar="FILE", help="Contacts, as .csv or .json.", show_default=False)
+    Path,
+    typer.Option(
+        "--contacts",
+        parser=contacts_file,
+        metavar="FILE",
+        help="Contacts, as .csv or .json; or the name of a bundled part, for those that come with it.",
+        show_default=False,
+    ),
 ]
 PositionError = Annotated[
     float | None,

@@ -251,15 +251,17 @@ def _symmetries(model: Model) -> str:
 
 def _symmetries_in_space(model: Model) -> str:
     turns = [np.degrees(vector_of(motion[:3, :3])) for motion in model.symmetries]
-    # The turn of an axis may be said either way round; a half turn is its own opposite.
     angles = Counter(f"{angle:.4g}°" for angle in sorted(map(np.linalg.norm, turns)) if angle > 1e-6)
-    said = [f"{number} turn{'' if number == 1 else 's'} by {angle}" for angle, number in angles.items()]
+    said = []
+    if angles:
+        several = [f"{number} by {angle}" for angle, number in angles.items()]
+        said.append(f"looks the same after {_count(len(turns) - 1, 'turn')}: {_words(several)}")
     for point, along in model.symmetry_axes:
         axis, through = (
             ", ".join(decimal(v, s) for v in of) for of, s in ((along, 1.0), (point, model.size))
         )
         said.append(f"any turn about ({axis}) through ({through})")
-    return f"looks the same after {_words(said)}" if said else "none"
+    return "; ".join(said) or "none"
 
 
 def _numbers(numbers: Sequence[int]) -> str:
