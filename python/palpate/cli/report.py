@@ -19,6 +19,7 @@ from palpate.cli.documents import components, excursion_bound, hypothesis_count,
 from palpate.cli.parts import Parts, slack_words, with_flags
 from palpate.contacts import Evidence
 from palpate.rotations import vector_of
+from palpate.solids.faces import face_areas, face_places
 
 MOST_ROWS = 40
 MOST_IN_LINE = 8  # numbers that are listed one by one
@@ -210,21 +211,19 @@ def _face_table(model: Model, *, unit: str) -> Table:
 
 
 def _flat_face_table(table: Table, model: Model, *, unit: str) -> Table:
-    for head in ("face", "corners", "holes", f"middle ({unit})", f"area ({unit}²)", "normal"):
+    for head in ("face", "corners", "holes", f"inside ({unit})", f"area ({unit}²)", "normal"):
         table.add_column(head, justify="right")
     table.add_column("surface")
-    corners = model.vertices[model.triangles]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = 0.5 * np.linalg.norm(across, axis=1)
+    areas, places = face_areas(model), face_places(model)
     for index, loops in enumerate(model.face_loops[:MOST_ROWS]):
-        area = float(areas[model.triangle_faces == index].sum())
+        seam = model.face_surfaces[index] == "seam"
         table.add_row(
             str(index),
             str(sum(map(len, loops))),
             str(len(loops) - 1),
-            ", ".join(decimal(value, model.size) for value in loops[0].mean(axis=0)),
-            # A seam has no triangles: nothing is there.
-            "" if model.face_surfaces[index] == "seam" else f"{area:.5g}",
+            # A seam has neither: nothing is there.
+            "" if seam else ", ".join(decimal(value, model.size) for value in places[index]),
+            "" if seam else f"{areas[index]:.5g}",
             ", ".join(decimal(value, 1.0) for value in model.face_normals[index]),
             model.face_surfaces[index],
         )

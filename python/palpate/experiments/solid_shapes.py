@@ -19,6 +19,7 @@ from palpate.contacts import contacts_document
 from palpate.curves import Array
 from palpate.experiments import random_parts
 from palpate.model_json import document_of, text_of
+from palpate.solids.faces import face_places
 from palpate.solids.mesh import Body, Numbers, SolidMesh, half_edges, pieces_of
 from palpate.solids.polygons import with_holes
 from palpate.usual import NORMAL_ERROR_DEG, POSITION_ERROR
@@ -90,22 +91,11 @@ def bundled_files(name: str) -> tuple[str, str]:
     solid = make()
     model = Model.mesh(solid.vertices, solid.triangles, name=name)
     note = "Drawn by the project, in experiments/solid_shapes.py."
-    contacts = [
-        Contact(
-            *inside(model, face), position_error=POSITION_ERROR, normal_error=math.radians(NORMAL_ERROR_DEG)
-        )
-        for face in touched
-    ]
+    places = face_places(model)
+    bounds = {"position_error": POSITION_ERROR, "normal_error": math.radians(NORMAL_ERROR_DEG)}
+    contacts = [Contact(places[face], model.face_normals[face], **bounds) for face in touched]
     texts = ({**document_of(model, "mm"), "note": note}, contacts_document(contacts, unit="mm"))
     return text_of(texts[0]), text_of(texts[1])
-
-
-def inside(model: Model, face: int) -> tuple[Array, Array]:
-    """A point well inside a face, the middle of its largest triangle, and the face's normal."""
-    corners = model.vertices[model.triangles[model.triangle_faces == face]]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    largest = int(np.argmax(np.linalg.norm(across, axis=1)))
-    return corners[largest].mean(axis=0), model.face_normals[face]
 
 
 # --- random solids --------------------------------------------------------------------------------
