@@ -192,11 +192,12 @@ def prior_of(entry: PriorEntry) -> Prior:
     """The prior that `entry` describes."""
     check_degrees(f"{entry.where}: rotation_deg", entry.rotation_deg, 180.0)
     pose, lying = np.array(entry.world_from_model), entry.lying
+    if lying is not None:
+        check_degrees(f"{entry.where}: tilt_deg", lying.tilt_deg, 180.0)
     bounds = {"translation": entry.translation, "rotation": math.radians(entry.rotation_deg)}
     try:
         if lying is None:
             return Prior(pose, **bounds)
-        check_degrees(f"{entry.where}: tilt_deg", lying.tilt_deg, 180.0)
         on_plane = {"height": lying.height, "tilt": math.radians(lying.tilt_deg)}
         return Prior.on_plane(pose, **bounds, **on_plane, normal=lying.normal)
     except ValueError as error:

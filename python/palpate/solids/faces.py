@@ -18,8 +18,9 @@ def face_areas(model: Model) -> Array:
 def face_places(model: Model) -> Array:
     """A point well inside each face, the middle of its largest triangle, shape `(n, 3)`; NaN for a seam."""
     places = np.full((len(model.faces), 3), np.nan)
-    # The largest triangle of each face is the last to be written.
-    order = np.argsort(_areas(model), kind="stable")
+    # The largest triangle of each face is the last to be written; of equal ones the first.
+    shares = np.round(_areas(model) / model.size**2, 9)
+    order = np.lexsort((-np.arange(len(shares)), shares))
     places[model.triangle_faces[order]] = model.vertices[model.triangles[order]].mean(axis=1)
     return places
 
