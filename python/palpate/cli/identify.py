@@ -91,6 +91,7 @@ def identify(
     )
     plane_only(parts.models, "the closed loop")
     lying = _truth(parts, truth, unit=unit)
+    plane_only([lying], "the closed loop")
     size = max(model.size for model in [*parts.models, lying])
     area = _workspace(workspace, pose, size)
     normal_error_deg = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)

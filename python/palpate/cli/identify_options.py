@@ -137,8 +137,9 @@ ContactsFile = Annotated[
     Path | None,
     typer.Option(
         "--contacts",
+        parser=options.contacts_file,
         metavar="FILE",
-        help="What was touched before, as .csv or .json; nothing is scanned then, but for --blind.",
+        help="What was touched before, as for palpate recognize; nothing is scanned then, but for --blind.",
         show_default=False,
     ),
 ]

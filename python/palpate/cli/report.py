@@ -61,9 +61,9 @@ def print_recognition(
     if len(found.hypotheses) > MOST_ROWS:
         console.print(f"... and {len(found.hypotheses) - MOST_ROWS} more; --json lists all of them.")
     in_space = found.hypotheses[0].model.dimension == 3
-    angles = "rx, ry, rz: the axis times the angle, in degrees" if in_space else "angles in degrees"
+    angles = "; rx, ry, rz: the axis times the angle, in degrees" if in_space else ", angles in degrees"
     console.print(
-        f"x, y, {'z, ' if in_space else ''}shift in {unit}, {angles}. Turn, shift: no two poses of one "
+        f"x, y, {'z, ' if in_space else ''}shift in {unit}{angles}. Turn, shift: no two poses of one "
         "hypothesis differ by more; the shift is that of any vertex of the part."
     )
     if any(hypothesis.marginal for hypothesis in found.hypotheses):
@@ -103,7 +103,7 @@ def print_models(console: Console, parts: Parts, *, unit: str) -> None:
             slack = slack_words(model, unit=unit)
             of = "outline" if model.dimension == 2 else "surface"
             console.print(f"  slack of the {of}: {slack}, added to the errors of every contact")
-        console.print(f"  symmetries: {_symmetries(model)}")
+        console.print(f"  symmetries: {_symmetries(model)}", soft_wrap=True)
         for nouns, touchable in (("edges", model.touchable_edges), ("vertices", model.touchable_vertices)):
             untouchable = [int(k) for k in np.flatnonzero(~np.asarray(touchable))]
             if untouchable:
@@ -250,11 +250,13 @@ def _symmetries(model: Model) -> str:
 
 def _symmetries_in_space(model: Model) -> str:
     turns = [np.degrees(vector_of(motion[:3, :3])) for motion in model.symmetries]
-    angles = Counter(f"{angle:.4g}°" for angle in sorted(map(np.linalg.norm, turns)) if angle > 1e-6)
+    degrees = sorted(round(float(np.linalg.norm(turn)), 6) for turn in turns)
+    angles = Counter(f"{angle:.5g}°" for angle in degrees if angle > 0.0)
     said = []
     if angles:
-        several = [f"{number} by {angle}" for angle, number in angles.items()]
-        said.append(f"looks the same after {_count(len(turns) - 1, 'turn')}: {_words(several)}")
+        several = _words([f"{number} by {angle}" for angle, number in angles.items()])
+        which = f": {several}" if len(angles) <= MOST_IN_LINE else ", which --json lists"
+        said.append(f"looks the same after {_count(angles.total(), 'turn')}{which}")
     for point, along in model.symmetry_axes:
         axis, through = (
             ", ".join(decimal(v, s) for v in of) for of, s in ((along, 1.0), (point, model.size))
