@@ -41,12 +41,13 @@ def to_viewer() -> Array:
 
 def set_space(axes: Any, low: Array, high: Array, *, unit: str) -> None:
     """Equal axes over the frame, with the unit on all."""
-    # Smaller than its place beside others, and the title within it: the layout leaves no room for either.
+    # Beside others it is smaller than its place, and its title in it: the layout leaves no room for either.
     alone = axes.get_subplotspec().get_gridspec().get_geometry() == (1, 1)
     # matplotlib gives all boxes one diagonal; these have one longest side.
     share = float(np.linalg.norm(high - low) / (math.sqrt(3.0) * (high - low).max()))
     axes.set_box_aspect(high - low, zoom=share * (1.04 if alone else 0.94))
-    axes.set_title(axes.get_title(), y=0.96)
+    if not alone:
+        axes.set_title(axes.get_title(), y=0.96)
     for name, a, b in zip("xyz", low, high, strict=True):
         axis = getattr(axes, f"{name}axis")
         getattr(axes, f"set_{name}lim")(float(a), float(b))
