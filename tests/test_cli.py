@@ -240,7 +240,7 @@ def test_models_as_json(folder, capsys):
     assert [len(model["faces"]) for model in document["models"]] == [6, 13]
 
 
-@pytest.mark.parametrize("command", ["demo", "recognize", "models"])
+@pytest.mark.parametrize("command", ["demo", "recognize", "models", "parts"])
 def test_every_command_has_an_example(capsys, command):
     assert f"Example: palpate {command}" in run(capsys, command, "--help")
 

@@ -79,9 +79,12 @@ CASES = [
     ),
     (
         [*RECOGNIZE, "--features", "faces"],
-        "Invalid value for '--features': must be face, vertex or face,vertex (got 'faces')",
+        "Invalid value for '--features': must be some of face,edge,vertex (got 'faces')",
     ),
-    ([*RECOGNIZE, "--features", ""], "Invalid value for '--features': must be face, vertex or face,vertex"),
+    (
+        [*RECOGNIZE, "--features", ""],
+        "Invalid value for '--features': must be some of face,edge,vertex (got '')",
+    ),
     ([*RECOGNIZE, "--unit", "furlong"], "unit: unknown unit 'furlong'; give one of um, mm"),
     ([*RECOGNIZE, "--prior-translation", "5"], "--prior-translation 5: must be given with --prior-pose; "),
     ([*RECOGNIZE, "--prior-rotation-deg", "5"], "--prior-rotation-deg 5: must be given with --prior-pose; "),
@@ -148,7 +151,7 @@ CASES = [
     (["recognize", "square.json", "--contacts", "zero-normal.csv"], "zero-normal.csv, line 2: normal: "),
     (
         ["recognize", "square.json", "--contacts", "space.csv"],
-        "space.csv, line 1, column z: contacts in space",
+        "space.csv, line 2: is of dimension 3, the first of the models of dimension 2 (got Contact(",
     ),
     (["recognize", "square.json", "--contacts", "broken.json"], "broken.json, line 1: not JSON"),
     (["recognize", "square.json", "--contacts", "other.json"], "other.json: schema: 'palpate-model' is not"),

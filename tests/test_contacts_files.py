@@ -19,28 +19,43 @@ SCHEMAS = Path(palpate.__file__).parent / "schemas"
 CONTACTS_SCHEMA = json.loads((SCHEMAS / "contacts-1.json").read_text())
 
 lengths = st.floats(0.0, 1e3)
-places = st.tuples(st.floats(-1e4, 1e4), st.floats(-1e4, 1e4))
-angles = st.floats(-math.pi, math.pi)
+dimensions = st.sampled_from([2, 3])
+
+
+def places(dimension):
+    return st.tuples(*[st.floats(-1e4, 1e4)] * dimension)
+
+
+def directions(dimension):
+    return st.tuples(*[st.floats(-1.0, 1.0)] * dimension).filter(lambda along: math.hypot(*along) > 1e-3)
 
 
 @st.composite
-def contacts(draw):
-    direction = draw(angles)
-    normal = (math.cos(direction), math.sin(direction)) if draw(st.booleans()) else None
+def contacts(draw, dimension):
+    normal = draw(st.none() | directions(dimension))
     return Contact.from_tip(
-        draw(places),
+        draw(places(dimension)),
         draw(lengths),
         position_error=draw(lengths),
         normal=normal,
         normal_error=None if normal is None else draw(st.floats(0.0, math.pi / 2)),
-        approach=draw(st.none() | st.just((0.6, -0.8))),
-        start=draw(st.none() | places),
+        approach=draw(st.none() | directions(dimension)),
+        start=draw(st.none() | places(dimension)),
     )
 
 
 @st.composite
-def misses(draw):
-    return Miss(draw(places), draw(places), tip_radius=draw(lengths), path_error=draw(lengths))
+def misses(draw, dimension):
+    ends = draw(places(dimension)), draw(places(dimension))
+    return Miss(*ends, tip_radius=draw(lengths), path_error=draw(lengths))
+
+
+@st.composite
+def evidence(draw):
+    """Contacts and misses, all of the plane or all of space."""
+    dimension = draw(dimensions)
+    some_contacts = draw(st.lists(contacts(dimension), min_size=1, max_size=4))
+    return some_contacts, draw(st.lists(misses(dimension), max_size=3))
 
 
 def assert_alike(one: Contact, other: Contact) -> None:
@@ -58,8 +73,9 @@ def assert_alike(one: Contact, other: Contact) -> None:
 
 @pytest.mark.parametrize("suffix", ["csv", "json"])
 @settings(deadline=None)
-@given(some_contacts=st.lists(contacts(), min_size=1, max_size=4), some_misses=st.lists(misses(), max_size=3))
-def test_what_is_written_is_read_back(tmp_path_factory, suffix, *, some_contacts, some_misses):
+@given(given=evidence())
+def test_what_is_written_is_read_back(tmp_path_factory, suffix, given):
+    some_contacts, some_misses = given
     path = tmp_path_factory.mktemp("files") / f"touches.{suffix}"
     write_contacts(path, some_contacts, misses=some_misses, unit="in")
     found = read_contacts(path, unit="in")
@@ -71,9 +87,14 @@ def test_what_is_written_is_read_back(tmp_path_factory, suffix, *, some_contacts
 
 
 @settings(deadline=None)
-@given(st.lists(contacts(), min_size=1, max_size=4), st.lists(misses(), max_size=3), st.floats(0.0, math.pi))
-def test_documents_validate(some_contacts, some_misses, rotation):
+@given(given=evidence(), rotation=st.floats(0.0, math.pi), lying=st.booleans())
+def test_documents_validate(given, rotation, *, lying):
+    some_contacts, some_misses = given
     prior = Prior(pose(0.3, 1.0, 2.0), translation=20.0, rotation=rotation)
+    if len(some_contacts[0].center) == 3:
+        bounds = {"translation": 20.0, "rotation": rotation}
+        on_plane = {"height": 1.0, "tilt": 0.1, "normal": (0.0, 1.0, 1.0)}
+        prior = Prior.on_plane(np.eye(4), **bounds, **on_plane) if lying else Prior(np.eye(4), **bounds)
     document = contacts_document(some_contacts, misses=some_misses, prior=prior, unit="mm")
     jsonschema.validate(json.loads(json.dumps(document)), CONTACTS_SCHEMA)
 
@@ -91,6 +112,43 @@ def test_a_prior_is_read_back(tmp_path):
     write_contacts(path, [Contact((0, 0), position_error=1.0)], prior=prior)
     assert json.loads(path.read_text())["prior"]["rotation_deg"] == 15.0
     assert read_contacts(path).prior == prior
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0, 3, 4)])
+def test_a_prior_of_space_is_read_back(tmp_path, normal):
+    path = tmp_path / "touches.json"
+    middle = np.eye(4)
+    middle[:2, :2], middle[:3, 3] = pose(0.3)[:2, :2], (1.0, 2.0, 3.0)
+    bounds = {"translation": 20.0, "rotation": math.radians(15.0)}
+    lying = Prior.on_plane(middle, **bounds, height=1.5, tilt=math.radians(2.0), normal=normal)
+    touched = [Contact((0, 0, 0), position_error=1.0)]
+    for prior in (Prior(middle, **bounds), lying):
+        write_contacts(path, touched, prior=prior)
+        assert read_contacts(path).prior == prior
+    assert json.loads(path.read_text())["prior"]["tilt_deg"] == 2.0
+    write_contacts(path, touched, prior=lying, unit="cm")
+    in_mm = read_contacts(path).prior
+    assert (in_mm.height, in_mm.translation, in_mm.tilt) == (15.0, 200.0, lying.tilt)
+    assert np.array_equal(in_mm.world_from_model[:3, 3], (10.0, 20.0, 30.0))
+    assert np.array_equal(in_mm.normal, lying.normal)
+
+
+def test_evidence_of_the_plane_and_of_space_is_not_mixed(tmp_path):
+    flat, high = Contact((0, 0), position_error=1.0), Contact((0, 0, 0), position_error=1.0)
+    miss = Miss((0, 0, 0), (1, 0, 0))
+    for path in (tmp_path / "touches.csv", tmp_path / "touches.json"):
+        with pytest.raises(
+            ValueError, match=r"contacts\[1\]: the plane is mixed with space \(got 3 coord.*; write"
+        ):
+            write_contacts(path, [flat, high])
+        with pytest.raises(
+            ValueError, match=r"misses\[0\]: the plane is mixed with space \(got 3 coord.*; write"
+        ):
+            write_contacts(path, [flat], misses=[miss])
+    prior = Prior(np.eye(3), translation=1.0, rotation=0.1)
+    with pytest.raises(ValueError, match=r"prior: the plane is mixed with space \(got 2 coord.*; write"):
+        write_contacts(tmp_path / "touches.json", [high], prior=prior)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_prior_does_not_go_into_csv(tmp_path):
@@ -125,6 +183,23 @@ miss, 0,8, ,, 0.3,, 1.5,0.1, ,, -40,8
         Miss((-40, 9), (0, 9), tip_radius=1.5, path_error=0.3),
         Miss((-40, 8), (0, 8), tip_radius=1.5, path_error=0.1),
     ]
+
+
+def test_csv_in_space(tmp_path):
+    text = """\
+kind,x,y,z,nx,ny,nz,position_error,normal_error_deg,tip_radius,approach_x,approach_y,approach_z,start_x,start_y,start_z
+contact,10,5,3, 0,0,2, 0.5,4, , ,,, ,,
+contact,20,5,3, ,,, 0.2,, 1.5, 0,-1,0, 20,30,3
+miss,0,9,3, ,,, 0.3,, 1.5, ,,, -40,9,3
+"""
+    found = read(tmp_path, text, unit="mm")
+    assert found.contacts == [
+        Contact((10, 5, 3), (0, 0, 1), position_error=0.5, normal_error=math.radians(4)),
+        Contact.from_tip((20, 5, 3), 1.5, position_error=0.2, approach=(0, -1, 0), start=(20, 30, 3)),
+    ]
+    assert found.misses == [Miss((-40, 9, 3), (0, 9, 3), tip_radius=1.5, path_error=0.3)]
+    in_inches = read(tmp_path, "# unit: in\n" + text).contacts[1]
+    assert np.allclose(in_inches.start, (508, 762, 76.2)) and np.array_equal(in_inches.approach, (0, -1, 0))
 
 
 def test_arguments_fill_what_the_file_leaves_out(tmp_path):
@@ -254,7 +329,25 @@ BAD_CSV = [
     ("x,nx,ny\n1,2,3\n", "touches.csv, line 1, column y: absent from the header"),
     ("x,y,nx\n1,2,3\n", "touches.csv, line 1, column ny: absent from the header"),
     ("x,y,x\n1,2,3\n", "touches.csv, line 1, column x: is there twice"),
-    ("x,y,z\n1,2,3\n", "touches.csv, line 1, column z: contacts in space are not supported yet"),
+    ("x,y,z\n1,2,3\n", "touches.csv, line 2, position_error: absent"),
+    ("x,y,z,nx,ny\n1,2,3,0,1\n", "touches.csv, line 1, column nz: absent from the header, though there is z"),
+    (
+        "x,y,nx,ny,nz\n1,2,0,0,1\n",
+        "touches.csv, line 1, column z: absent from the header, though there is nz",
+    ),
+    ("x,z\n1,2\n", "touches.csv, line 1, column y: absent from the header; give x, y and z"),
+    (
+        "x,y,z,start_x,start_y\n1,2,3,0,1\n",
+        "touches.csv, line 1, column start_z: absent from the header, though there is z",
+    ),
+    (
+        "x,y,z,position_error\n1,2,3,0.5\n4,5,,0.5\n",
+        "touches.csv, line 3, column z: blank while its partner is not; give x, y and z, or none of them",
+    ),
+    (
+        "kind,x,y,z,start_x,start_y,start_z\nmiss,1,2,3,,,\n",
+        "touches.csv, line 2, column start_x: blank in a miss; a miss swept from its start to x,y,z: ",
+    ),
     ("x,y,force\n1,2,3\n", "touches.csv, line 1, column 'force': unknown"),
     ("x,y\n1,2\n", "touches.csv, line 2, position_error: absent"),
     ("x,y,position_error\n1,2,0.5\n\n3,4,\n", "touches.csv, line 4, position_error: absent"),
@@ -311,6 +404,11 @@ def prior_with(**changes):
     return json_with(prior=prior | changes, contacts=[{"center": [1, 2], "position_error": 1}])
 
 
+def space_prior_with(**changes):
+    document = prior_with(**({"world_from_model": np.eye(4).tolist()} | changes))
+    return document | {"contacts": [{"center": [1, 2, 3], "position_error": 1}]}
+
+
 BAD_JSON = [
     ("{", "touches.json, line 1: not JSON: "),
     ("[" * 100_000, "touches.json: its brackets are nested too deeply"),
@@ -326,7 +424,46 @@ BAD_JSON = [
     (json_with(contacts=[]), "touches.json: no contact and no miss in it"),
     (json_with(contacts=[5]), "touches.json: contacts[0]: 5 is not an object"),
     (json_with(contacts=[{}]), "touches.json: contacts[0]: center: absent"),
-    (json_with(contacts=[{"center": [1, 2, 3]}]), "touches.json: contacts[0]: center: [1, 2, 3] is in space"),
+    (json_with(contacts=[{"center": [1, 2, 3]}]), "touches.json: contacts[0], position_error: absent"),
+    (
+        json_with(contacts=[{"center": [1, 2, 3, 4]}]),
+        "touches.json: contacts[0]: center: [1, 2, 3, 4] is not",
+    ),
+    (
+        json_with(contacts=[{"center": [1, 2]}, {"center": [1, 2, 3]}]),
+        "touches.json: contacts[1]: center: the plane is mixed with space (got 3 coordinates where",
+    ),
+    (
+        json_with(contacts=[{"center": [1, 2, 3], "normal": [0, 1]}]),
+        "touches.json: contacts[0]: normal: the plane is mixed with space (got 2 coordinates where",
+    ),
+    (
+        json_with(misses=[{"start": [0, 0, 0], "end": [1, 0, 0]}]),
+        "touches.json: misses[0]: start: the plane is mixed with space",
+    ),
+    (
+        prior_with(world_from_model=np.eye(4).tolist()),
+        "touches.json: prior: world_from_model: the plane is mixed with space (got 3 coordinates where",
+    ),
+    (
+        prior_with(height=1, tilt_deg=2),
+        "touches.json: prior: height: is of space, the pose of the plane; give",
+    ),
+    (space_prior_with(height=1), "touches.json: prior: tilt_deg: absent, though there is height; give"),
+    (space_prior_with(normal=[0, 0, 1]), "touches.json: prior: height: absent, though there is normal; give"),
+    (
+        space_prior_with(height=1, tilt_deg=200),
+        "touches.json: prior: tilt_deg: must be an angle in degrees, from 0 to 180 (got 200)",
+    ),
+    (space_prior_with(height=-1, tilt_deg=2), "touches.json: prior: height: "),
+    (
+        space_prior_with(height=1, tilt_deg=2, normal=[0, 1]),
+        "touches.json: prior: normal: [0, 1] is of the plane; give it as [x, y, z]",
+    ),
+    (
+        space_prior_with(world_from_model=[[1, 0, 0], *np.eye(4).tolist()[1:]]),
+        "touches.json: prior: world_from_model: [1, 0, 0] is not a row of 4 numbers; give 4 rows",
+    ),
     (json_with(contacts=[{"center": "here"}]), 'touches.json: contacts[0]: center: "here" is not a point'),
     (
         json_with(contacts=[{"center": [1, True]}]),

@@ -6,18 +6,22 @@ import json
 import math
 import re
 from pathlib import Path
+from random import Random
 
 import ezdxf
 import jsonschema
 import numpy as np
 import pytest
+from brackets import bracket
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from palpate import Model
+from palpate import Model, recognize
 from palpate.curves import Tolerance, bezier, elliptic_arc, spline
-from palpate.models import bundled_parts, load_models, save_model
-from palpate.parts import part_names, part_path
+from palpate.experiments.solid_shapes import DRAWN, FAMILIES, bundled_files, random_solid
+from palpate.models import bundled_parts, bundled_solids, load_models, save_model
+from palpate.parts import contacts_path, part_names, part_path, solid_part_names, standard_contacts
+from palpate.rotations import rotation_of
 
 SCHEMA = Path(str(part_path("boot"))).parents[1] / "schemas" / "model-1.json"
 SQUARE = [[0, 0], [40, 0], [40, 30], [0, 30]]
@@ -89,6 +93,82 @@ def test_a_saved_model_comes_back(model, tmp_path):
     (in_mm,) = load_models([tmp_path / "model.json"])
     assert in_mm.size == pytest.approx(10.0 * model.size)
     assert in_mm.position_slack == pytest.approx(10.0 * model.position_slack)
+
+
+FLOOR = [[0, 0, 0], [90, 0, 0], [90, 50, 0], [0, 50, 0]]
+HOLE = [[10, 10, 0], [10, 20, 0], [20, 20, 0], [20, 10, 0]]
+WALL = [[0, 50, 0], [90, 50, 0], [90, 50, 70], [0, 50, 70]]
+SOLIDS = [
+    *(
+        Model.mesh(solid.vertices, solid.triangles, name=solid.name)
+        for solid in (make() for make in DRAWN.values())
+    ),
+    *(
+        Model.mesh(s.vertices, s.triangles, name="any")
+        for s in (random_solid(Random(7), name) for name in FAMILIES)
+    ),
+    bracket(untouchable=[0, 1, 2, 3], position_slack=0.25, normal_slack=0.125),
+    Model.facets([[FLOOR, HOLE], WALL], name="corner", untouchable=[1]),
+    Model.facets([[FLOOR, HOLE], WALL], name="corner", seams=[1]),
+]
+
+
+@pytest.mark.parametrize("model", SOLIDS, ids=lambda model: model.name)
+def test_a_saved_solid_comes_back(model, tmp_path):
+    save_model(model, tmp_path / "model.json", unit="cm")
+    jsonschema.validate(json.loads((tmp_path / "model.json").read_text()), json.loads(SCHEMA.read_text()))
+    (back,) = load_models([tmp_path / "model.json"], unit="cm")
+    assert [len(loops) for loops in back.face_loops] == [len(loops) for loops in model.face_loops]
+    for loops, others in zip(back.face_loops, model.face_loops, strict=True):
+        assert all(np.array_equal(loop, other) for loop, other in zip(loops, others, strict=True))
+    assert np.array_equal(back.vertices, model.vertices) and np.array_equal(back.edges, model.edges)
+    assert np.allclose(back.face_normals, model.face_normals, rtol=0.0, atol=1e-12)
+    assert np.array_equal(back.symmetries, model.symmetries)
+    assert (back.name, back.face_surfaces, back.closed) == (model.name, model.face_surfaces, model.closed)
+    assert back.position_slack == model.position_slack
+    assert back.normal_slack == pytest.approx(model.normal_slack, rel=1e-15)
+
+
+def test_corners_off_their_planes_cost_slack_again(tmp_path):
+    solid = DRAWN["flange"]()
+    turn = rotation_of((0.3, 0.5, 0.7))
+    rounded = (solid.vertices @ turn.T).astype(np.float32).astype(float)
+    model = Model.mesh(rounded, solid.triangles)
+    save_model(model, tmp_path / "model.json")
+    (back,) = load_models([tmp_path / "model.json"])
+    assert np.array_equal(back.faces[0], model.faces[0]) and len(back.faces) == len(model.faces)
+    assert 0.0 < model.position_slack <= back.position_slack <= 2.0 * model.position_slack < 1e-4
+
+
+def alike(one, other):
+    """Documents with the same numbers, but for what sines of other machines are off."""
+    if isinstance(one, dict):
+        return list(one) == list(other) and alike(list(one.values()), list(other.values()))
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(alike, one, other))
+    return one == (pytest.approx(other, abs=1e-12) if isinstance(other, float) else other)
+
+
+def test_bundled_solids_are_as_the_code_makes_them():
+    for model in bundled_solids():
+        files = part_path(model.name), contacts_path(model.name)
+        for file, made in zip(files, bundled_files(model.name), strict=True):
+            assert alike(json.loads(file.read_text()), json.loads(made))
+        document = json.loads(files[0].read_text())
+        jsonschema.validate(document, json.loads(SCHEMA.read_text()))
+        assert "Drawn by the project" in document["note"]
+        assert (model.dimension, model.closed, model.mends) == (3, True, [])
+        assert 100.0 <= model.size <= 200.0
+    files = [file for name in solid_part_names() for file in (part_path(name), contacts_path(name))]
+    assert sum(file.stat().st_size for file in files) < 20_000
+    assert not set(solid_part_names()) & set(part_names())
+
+
+@pytest.mark.parametrize("name", solid_part_names())
+def test_the_contacts_of_a_bundled_solid_fit_it_as_it_stands(name):
+    found = recognize(bundled_solids(), standard_contacts(name))
+    assert found.complete
+    assert any(h.model.name == name and h.poses.contains(np.eye(4)) for h in found.hypotheses)
 
 
 def test_a_folder_gives_its_models_by_name_and_leaves_other_documents(tmp_path):
@@ -422,6 +502,7 @@ def test_a_spline_is_cut_into_its_bezier_pieces_exactly():
 
 HEAD = '"schema": "palpate-model", "version": 1, "name": "p", "unit": "mm"'
 OUTER = '"outer": [[0, 0], [1, 0], [0, 1]]'
+CORNERS = '"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]'
 
 REFUSED = {
     "a.json": [
@@ -432,9 +513,17 @@ REFUSED = {
         (f'{{{HEAD.replace("mm", "furlong")}, {OUTER}}}', r"a\.json: unit: unknown unit 'furlong'; give one of um, mm"),
         (f'{{{HEAD}, "hole": [], {OUTER}}}', r"a\.json: hole: unknown key; the keys here are"),
         (f'{{{HEAD.replace(chr(34) + "p" + chr(34), "7")}, {OUTER}}}', r"a\.json: name: 7 is not text; say"),
-        (f"{{{HEAD}}}", r"a\.json: must have either outer or segments; give"),
-        (f'{{{HEAD}, {OUTER}, "segments": []}}', r"a\.json: must have either outer or segments; give"),
-        (f'{{{HEAD}, {OUTER}, "seams": [0]}}', r"a\.json: seams: does not go with the rest; holes go with outer"),
+        (f"{{{HEAD}}}", r"a\.json: must have either outer or segments, or faces in space; give"),
+        (f'{{{HEAD}, {OUTER}, "segments": []}}', r"a\.json: must have either outer or segments, or faces in space; give"),
+        (f'{{{HEAD}, {OUTER}, "seams": [0]}}', r"a\.json: seams: does not go with outer; with it go holes"),
+        (f'{{{HEAD}, "faces": [[[0, 1, 2]]]}}', r"a\.json: vertices: is missing; give the corners"),
+        (f'{{{HEAD}, {CORNERS}, "faces": 5}}', r"a\.json: faces: 5 is not a list; write"),
+        (f'{{{HEAD}, {CORNERS}, "faces": [5]}}', r"a\.json: faces\[0\]: 5 is not a list; write"),
+        (f'{{{HEAD}, {CORNERS}, "faces": [[[0, 1, 3]]]}}', r"a\.json: faces\[0\]\[0\]: there is no vertex 3; number the 3 vertices from 0"),
+        (f'{{{HEAD}, {CORNERS}, "faces": [[[0, 1, -1]]]}}', r"a\.json: faces\[0\]\[0\]\[2\]: -1 is not a vertex number; number the vertices"),
+        (f'{{{HEAD}, {CORNERS}, "faces": [[[0, 1, 2]]], "holes": []}}', r"a\.json: holes: does not go with faces; with it go vertices, seams"),
+        (f'{{{HEAD}, "vertices": [[0, 0]], "faces": [[[0]]]}}', r"a\.json: vertices\[0\]: \[0, 0\] is not a point; write \[x, y, z\]"),
+        (f'{{{HEAD}, {CORNERS}, "faces": [[[0, 1, 1]]]}}', r"a\.json: loops\[0\]"),
         (f'{{{HEAD}, "outer": 5}}', r"a\.json: outer: 5 is not a list; write"),
         (f'{{{HEAD}, "outer": [[0, 0], [1]]}}', r"a\.json: outer\[1\]: \[1\] is not a point; write \[x, y\]"),
         (f'{{{HEAD}, "outer": [[0, "1"]]}}', r"a\.json: outer\[0\]: '1' is not a finite number; write a number"),

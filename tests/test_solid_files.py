@@ -735,16 +735,17 @@ def test_nothing_is_said_of_other_surfaces_or_corners_off_them():
 # --- load_models ----------------------------------------------------------------------------------
 
 
-def test_load_models_gives_the_core_what_was_read(tmp_path):
+def test_load_models_reads_solids_beside_the_rest_of_a_folder(tmp_path):
     write(box((1, 2, 3)), tmp_path / "b.stl")
     write(box((4, 5, 6)), tmp_path / "a.ply")
     (tmp_path / "notes.txt").write_text("not a model")
     palpate.save_model(palpate.Model.polygon([[0, 0], [4, 0], [0, 3]], name="flat"), tmp_path / "c.json")
     first, second, flat = load_models(tmp_path, position_slack=0.25, normal_slack=0.5)
-    assert [(m.name, m.dimension) for m in (first, second, flat)] == [("a", 3), ("b", 3), ("flat", 2)]
-    assert np.ptp(second.vertices, axis=0).tolist() == [1, 2, 3]
-    assert {(m.position_slack, m.normal_slack) for m in (first, second, flat)} == {(0.25, 0.5)}
-    assert NO_UNIT in second.mends
+    assert [model.name for model in (first, second, flat)] == ["a", "b", "flat"]
+    assert [model.dimension for model in (first, second, flat)] == [3, 3, 2]
+    assert np.ptp(second.vertices, axis=0).tolist() == [1, 2, 3] and len(second.faces) == 6
+    assert {(model.position_slack, model.normal_slack) for model in (first, second, flat)} == {(0.25, 0.5)}
+    assert second.mends == [NO_UNIT]
 
 
 def test_load_models_refuses_a_bad_solid_by_its_name(tmp_path):

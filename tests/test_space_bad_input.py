@@ -33,13 +33,6 @@ PLANE_ONLY = [
     lambda: palpate.Lines(hypotheses(), usual_sensor()),
     lambda: palpate.SimulatedProbe(bracket(), POSE, usual_sensor()),
     lambda: palpate.identify([bracket()], IDLE, usual_sensor(), [[0, 0], [1, 1]]),
-    lambda: palpate.plots.plot_models([bracket()]),
-    lambda: palpate.plots.plot_recognition(palpate.recognize([bracket()], touches()), touches()),
-    lambda: palpate.plots.plot_pose_range(hypotheses()[0]),
-    lambda: palpate.write_contacts("never.csv", touches()),
-    lambda: palpate.write_contacts("never.csv", [], misses=[palpate.Miss((0, 0, 0), (1, 0, 0))]),
-    lambda: palpate.write_contacts("never.json", [], prior=palpate.Prior(POSE, translation=1, rotation=1)),
-    lambda: palpate.save_model(bracket(), "never.json"),
 ]
 
 

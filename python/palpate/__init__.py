@@ -53,9 +53,11 @@ from .loop import perimeter_route as perimeter_route
 from .loop import random_contacts as random_contacts
 from .loop import replay as replay
 from .models import bundled_parts as bundled_parts
+from .models import bundled_solids as bundled_solids
 from .models import load_models as load_models
 from .models import save_model as save_model
 from .parts import part_names as part_names
+from .parts import solid_part_names as solid_part_names
 from .parts import standard_contacts as standard_contacts
 from .probe import AlreadyTouching as AlreadyTouching
 from .probe import Fault as Fault

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from palpate._core import Hypothesis, Model
 from palpate.loop import Result, Step, identify
 from palpate.models import load_models
-from palpate.parts import part_names
+from palpate.parts import part_names, solid_part_names
 from palpate.probe import SimulatedProbe, random_pose
 from palpate.truth import number_of_truth
 from palpate.usual import usual_sensor
@@ -81,6 +81,11 @@ def demonstrate(
 def check_choice(part: str | None, seed: int) -> None:
     """Refuse what `demonstrate` would refuse, before anything is made ready for it."""
     names = part_names()
+    if part in solid_part_names():
+        raise ValueError(
+            f"part: {part} is a part in space, the demo works in the plane only as yet; "
+            f"give one of {', '.join(names)}"
+        )
     if part is not None and part not in names:
         raise ValueError(f"part: no such bundled part (got {part!r}); give one of {', '.join(names)}")
     if seed < 0:

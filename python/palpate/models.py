@@ -1,9 +1,9 @@
 """Model files: JSON, drawings and solids into models, and models into JSON.
 
-A JSON file is a `palpate-model` document (`schemas/model-1.json`). DXF and SVG are drawings: closed lines are
-outlines, and holes of the ones around them; several outlines are several models, numbered from left to right;
-where nothing is closed, the lines are loose faces. Curves become chords, and the model says what that costs:
-`position_slack` and `normal_slack` are added to the bounds of every contact.
+A JSON file is a `palpate-model` document (`schemas/model-1.json`), of the plane or of space. DXF and SVG are
+drawings: closed lines are outlines, and holes of the ones around them; several outlines are several models,
+numbered from left to right; where nothing is closed, the lines are loose faces. Curves become chords, and the
+model says what that costs: `position_slack` and `normal_slack` are added to the bounds of every contact.
 
 STL, OBJ, PLY, OFF, 3MF and STEP files are solids. Bodies that don't meet are several models, as outlines are.
 """
@@ -22,9 +22,9 @@ import numpy as np
 from palpate._core import Model
 from palpate.contacts.entry import MM_PER_UNIT, mm_per, refuse
 from palpate.curves import CurveError, Tolerance
-from palpate.model_json import document_of, parse_model
+from palpate.model_json import document_of, parse_model, text_of
 from palpate.outlines import Drawing, OutlineError, Shape, shapes_of
-from palpate.parts import part_names, part_path
+from palpate.parts import part_names, part_path, solid_part_names
 from palpate.solids import SOLID_SUFFIXES, solid_parts
 
 SUFFIXES = (".json", ".dxf", ".svg", *SOLID_SUFFIXES)
@@ -84,7 +84,7 @@ def load_models(
     options = _Options(unit, Tolerance(distance, math.radians(turn_deg)), layers, slacks)
     given = _given(paths)
     if not given:
-        refuse("paths", "no model is named", f"name a file, a folder or one of {', '.join(part_names())}")
+        refuse("paths", "no model is named", f"name a file, a folder or one of {_bundled_words()}")
     return [model for path in given for file in _files(path) for model in _load(file, options)]
 
 
@@ -126,6 +126,8 @@ def _given(paths: str | Path | Sequence[str | Path]) -> list[str | Path]:
 def save_model(model: Model, path: str | Path, *, unit: str = "mm") -> None:
     """Write a model as JSON. Reading it back gives the same faces, in the same order.
 
+    In space, what corners are off the planes of their faces is found anew, and added to the slacks again.
+
     Args:
         model: In `unit`.
         path: A .json file.
@@ -138,12 +140,21 @@ def save_model(model: Model, path: str | Path, *, unit: str = "mm") -> None:
     mm_per(unit, "unit")
     if path.suffix.lower() != ".json":
         refuse(path.name, f"models are written as JSON, not {path.suffix!r}", "name the file .json")
-    path.write_text(json.dumps(document_of(model, unit), indent=1) + "\n", encoding="utf-8")
+    path.write_text(text_of(document_of(model, unit)), encoding="utf-8")
 
 
 def bundled_parts() -> list[Model]:
-    """All parts that come with palpate, in mm."""
+    """The parts in the plane that come with palpate, in mm."""
     return load_models(part_names())
+
+
+def bundled_solids() -> list[Model]:
+    """The parts in space that come with palpate, in mm."""
+    return load_models(solid_part_names())
+
+
+def _bundled_words() -> str:
+    return ", ".join(part_names() + solid_part_names())
 
 
 def _files(path: str | Path) -> list[Path]:
@@ -162,7 +173,7 @@ def _files(path: str | Path) -> list[Path]:
         return [file]
     bundled = part_path(str(path))
     if bundled is None:
-        refuse(str(path), "no such file or folder", f"give a model file or one of {', '.join(part_names())}")
+        refuse(str(path), "no such file or folder", f"give a model file or one of {_bundled_words()}")
     return [bundled]
 
 
@@ -285,13 +296,15 @@ def _arguments_of(shape: Shape) -> dict[str, Any]:
 
 
 def _model(file_name: str, arguments: dict[str, Any]) -> Model:
-    """The model of `arguments`, which are those of its constructor: `outer`, `segments` or `triangles`."""
+    """The model of its constructor's arguments; `outer`, `segments`, `faces` or `triangles` says of which."""
     arguments = dict(arguments)
     try:
         if "triangles" in arguments:
             return Model.mesh(arguments.pop("vertices"), arguments.pop("triangles"), **arguments)
         if "outer" in arguments:
             return Model.polygon(arguments.pop("outer"), **arguments)
+        if "faces" in arguments:
+            return Model.facets(arguments.pop("faces"), **arguments)
         return Model.segments(arguments.pop("segments"), **arguments)
     except ValueError as error:
         raise ValueError(f"{file_name}: {error}") from None

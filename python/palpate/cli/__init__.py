@@ -1,4 +1,4 @@
-"""The command line: `demo`, `recognize`, `plan`, `identify`, `replay`, `experiment`, `tune`, `models`.
+"""The command line: one command a module, and what they share.
 
 Results go to stdout, progress to stderr and only on a terminal. Bad input is one line on stderr and exit
 code 2.

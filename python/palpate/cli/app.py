@@ -8,6 +8,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 import palpate
+from palpate.cli.bundled import parts
 from palpate.cli.console import PROGRAM
 from palpate.cli.demo import demo
 from palpate.cli.experiment import experiment
@@ -61,6 +62,7 @@ app.command(
 app.command(cls=_Command, epilog="Example: palpate replay run.jsonl --plot pictures")(replay)
 app.command(cls=_Command, epilog="Example: palpate experiment all --cluster local --out thesis")(experiment)
 app.command(cls=_Command, epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
+app.command(cls=_Command, epilog="Example: palpate parts --json")(parts)
 app.command(cls=_Command, epilog="Example: palpate tune boot camera telephone --problems 100")(tune)
 
 

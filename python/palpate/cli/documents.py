@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from palpate import Found, Hypothesis, Interpretation, Model, Recognition
+from palpate.rotations import vector_of
 
 
 def print_document(document: dict[str, Any]) -> None:
@@ -23,6 +24,16 @@ def planar(pose: Any) -> tuple[float, float, float]:
     """x, y and the angle in degrees, -180 to 180, of a 3 by 3 pose."""
     matrix = np.asarray(pose, dtype=float)
     return float(matrix[0, 2]), float(matrix[1, 2]), math.degrees(math.atan2(matrix[1, 0], matrix[0, 0]))
+
+
+def components(pose: Any) -> dict[str, float]:
+    """A pose as people read it: `x, y, angle_deg`; in space `x, y, z` and the vector `rx_deg, ...`."""
+    matrix = np.asarray(pose, dtype=float)
+    if len(matrix) == 3:
+        return dict(zip(("x", "y", "angle_deg"), planar(matrix), strict=True))
+    turn = np.degrees(vector_of(matrix[:3, :3]))
+    names = ("x", "y", "z", "rx_deg", "ry_deg", "rz_deg")
+    return {name: float(value) for name, value in zip(names, [*matrix[:3, 3], *turn], strict=True)}
 
 
 def excursion_bound(hypothesis: Hypothesis) -> float:
@@ -84,7 +95,6 @@ def _reading(model: Model) -> dict[str, Any]:
 
 
 def _hypothesis(hypothesis: Hypothesis, *, num_listed: int) -> dict[str, Any]:
-    x, y, angle_deg = planar(hypothesis.world_from_model)
     document: dict[str, Any] = {
         "model": hypothesis.model.name,
         "model_number": hypothesis.model_number,
@@ -92,9 +102,7 @@ def _hypothesis(hypothesis: Hypothesis, *, num_listed: int) -> dict[str, Any]:
         "interpretation_count": hypothesis.interpretation_count,
         "interpretation_count_exact": hypothesis.interpretation_count_exact,
         "world_from_model": _rows(hypothesis.world_from_model),
-        "x": x,
-        "y": y,
-        "angle_deg": angle_deg,
+        **components(hypothesis.world_from_model),
         "rotation_bound_deg": math.degrees(hypothesis.poses.rotation_bound),
         "excursion_bound": excursion_bound(hypothesis),
     }
@@ -114,8 +122,10 @@ def _interpretation(interpretation: Interpretation) -> dict[str, Any]:
 
 def _model(model: Model) -> dict[str, Any]:
     faces = [
-        {"start": _rows(face[0]), "end": _rows(face[1]), "normal": _rows(normal), "surface": surface}
-        for face, normal, surface in zip(model.faces, model.face_normals, model.face_surfaces, strict=True)
+        {**_bounds(loops), "normal": _rows(normal), "surface": surface}
+        for loops, normal, surface in zip(
+            model.face_loops, model.face_normals, model.face_surfaces, strict=True
+        )
     ]
     vertices = [
         {"point": _rows(vertex), "touchable": bool(touchable)}
@@ -129,8 +139,25 @@ def _model(model: Model) -> dict[str, Any]:
         "faces": faces,
         "vertices": vertices,
         "symmetries": _rows(model.symmetries),
+        **(_of_space(model) if model.dimension == 3 else {}),
         **_reading(model),
     }
+
+
+def _bounds(loops: Sequence[Any]) -> dict[str, Any]:
+    """What bounds a face: two ends in the plane, loops in space."""
+    if len(loops[0]) == 2:
+        return {"start": _rows(loops[0][0]), "end": _rows(loops[0][1])}
+    return {"loops": [_rows(loop) for loop in loops]}
+
+
+def _of_space(model: Model) -> dict[str, Any]:
+    edges = [
+        {"start": _rows(start), "end": _rows(end), "touchable": bool(touchable)}
+        for (start, end), touchable in zip(model.edges, model.touchable_edges, strict=True)
+    ]
+    axes = [{"point": _rows(point), "direction": _rows(along)} for point, along in model.symmetry_axes]
+    return {"edges": edges, "symmetry_axes": axes}
 
 
 def _rows(array: Any) -> Any:

@@ -14,7 +14,7 @@ from palpate import replay as replay_run
 from palpate.cli import identify_options, options, plan_options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import print_document
-from palpate.cli.parts import Parts, load_parts, part_notes
+from palpate.cli.parts import Parts, load_parts, part_notes, plane_only
 from palpate.cli.plan_report import sensor_words
 from palpate.cli.recognize import pose_of, prior_of
 from palpate.cli.run_report import Story, check_run_picture, draw_run, print_result, result_document
@@ -89,7 +89,9 @@ def identify(
         position_slack=position_slack,
         normal_slack_deg=normal_slack_deg,
     )
+    plane_only(parts.models, "the closed loop")
     lying = _truth(parts, truth, unit=unit)
+    plane_only([lying], "the closed loop")
     size = max(model.size for model in [*parts.models, lying])
     area = _workspace(workspace, pose, size)
     normal_error_deg = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)

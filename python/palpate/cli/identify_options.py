@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from palpate.cli import options
-from palpate.cli.plan_options import numbers_of, one_of
+from palpate.cli.options import numbers_of
+from palpate.cli.plan_options import one_of
 from palpate.usual import NORMAL_ERROR_DEG
 
 NOISES = ("uniform", "bounds", "none")
@@ -136,8 +137,9 @@ ContactsFile = Annotated[
     Path | None,
     typer.Option(
         "--contacts",
+        parser=options.contacts_file,
         metavar="FILE",
-        help="What was touched before, as .csv or .json; nothing is scanned then, but for --blind.",
+        help="What was touched before, as for palpate recognize; nothing is scanned then, but for --blind.",
         show_default=False,
     ),
 ]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from palpate.cli import options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import models_document, print_document
+from palpate.cli.model_report import print_models
 from palpate.cli.parts import load_parts
-from palpate.cli.report import print_models
 
 
 def models(

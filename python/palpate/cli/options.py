@@ -9,6 +9,9 @@ from typing import Annotated
 
 import typer
 
+from palpate.parts import contacts_path
+
+KINDS = ("face", "edge", "vertex")
 MOST_LISTED = 1_000_000
 MOST_HYPOTHESES = 1_000_000_000
 
@@ -50,11 +53,36 @@ slack_deg = number(0.0, 89.0, "an angle in degrees, from 0 to 89")
 rotation_deg = number(0.0, 180.0, "an angle in degrees, from 0 to 180")
 
 
+def numbers_of(text: str, count: int, meaning: str) -> list[float]:
+    """So many finite numbers, separated by commas."""
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise typer.BadParameter(f"must be {meaning} (got {text!r})")
+    return values
+
+
+def on_table(text: str) -> str:
+    """A height and an angle."""
+    height, tilt_deg = numbers_of(text, 2, "a length and an angle, LENGTH,DEG")
+    if height < 0.0 or not 0.0 <= tilt_deg <= 180.0:
+        raise typer.BadParameter(f"must be zero or more, the angle at most 180 (got {text!r})")
+    return text
+
+
+def contacts_file(text: str) -> Path:
+    """A file, or that of the contacts that come with a bundled part."""
+    bundled = None if Path(text).exists() else contacts_path(text)
+    return bundled or Path(text)
+
+
 def kinds(text: str) -> str:
     """Kinds of features, separated by commas: `face,vertex`."""
     names = [name.strip() for name in text.split(",")]
-    if any(name not in ("face", "vertex") for name in names):
-        raise typer.BadParameter(f"must be face, vertex or face,vertex (got {text!r})")
+    if any(name not in KINDS for name in names):
+        raise typer.BadParameter(f"must be some of {','.join(KINDS)} (got {text!r})")
     return ",".join(names)
 
 
@@ -70,7 +98,14 @@ Models = Annotated[
     typer.Argument(metavar="MODEL", help="Files, folders or names of bundled parts.", show_default=False),
 ]
 ContactsFile = Annotated[
-    Path, typer.Option("--contacts", metavar="FILE", help="Contacts, as .csv or .json.", show_default=False)
+    Path,
+    typer.Option(
+        "--contacts",
+        parser=contacts_file,
+        metavar="FILE",
+        help="Contacts, as .csv or .json; or the name of a bundled part, for those that come with it.",
+        show_default=False,
+    ),
 ]
 PositionError = Annotated[
     float | None,
@@ -110,14 +145,19 @@ PathError = Annotated[
 ]
 PriorPose = Annotated[
     str | None,
-    typer.Option(metavar="X,Y,DEG", help="The part lies near this pose.", rich_help_panel="Prior"),
+    typer.Option(
+        metavar="POSE",
+        help="The part lies near this pose: X,Y,DEG; in space X,Y,Z,RX,RY,RZ, where RX,RY,RZ is the rotation "
+        "vector: along its axis, as long as its angle, in degrees.",
+        rich_help_panel="Prior",
+    ),
 ]
 PriorTranslation = Annotated[
     float | None,
     typer.Option(
         parser=length,
         metavar="LENGTH",
-        help="x and y are within this of the prior pose.",
+        help="x and y, in space z, are within this of the prior pose.",
         rich_help_panel="Prior",
     ),
 ]
@@ -130,12 +170,22 @@ PriorRotationDeg = Annotated[
         rich_help_panel="Prior",
     ),
 ]
+OnTable = Annotated[
+    str | None,
+    typer.Option(
+        parser=on_table,
+        metavar="LENGTH,DEG",
+        help="In space: it lies on a table, level as at the prior pose. Its z is within LENGTH of that, and "
+        "it tilts by DEG at most; the other bounds are along the table and about z.",
+        rich_help_panel="Prior",
+    ),
+]
 Features = Annotated[
     str | None,
     typer.Option(
         parser=kinds,
         metavar="LIST",
-        help="What may be touched: face, vertex or face,vertex. Else faces; both if a tip has a radius.",
+        help="What may be touched: face, vertex and, in space, edge. Else faces; all if a tip has a radius.",
     ),
 ]
 MaxHypotheses = Annotated[

@@ -18,6 +18,11 @@ class Parts:
     sources: list[str]
 
     @property
+    def dimension(self) -> int:
+        """That of the first; recognition refuses others beside it."""
+        return self.models[0].dimension
+
+    @property
     def labels(self) -> list[str]:
         """A name for each: its own, with its number, counted from 1, where another one has it too."""
         names = [model.name for model in self.models]
@@ -54,6 +59,16 @@ def load_parts(
     except ValueError as error:
         raise ValueError(with_flags(str(error))) from None
     return Parts([model for model, _ in loaded], [path for _, path in loaded])
+
+
+def plane_only(models: Sequence[Model], what: str) -> None:
+    """Refuse parts in space for what works in the plane only as yet."""
+    for model in models:
+        if model.dimension != 2:
+            raise ValueError(
+                f"{model.name}: is a part in space, {what} works in the plane only as yet; "
+                "give parts in the plane, or use palpate recognize"
+            )
 
 
 def with_flags(text: str) -> str:

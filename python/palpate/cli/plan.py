@@ -23,7 +23,7 @@ from palpate import recognize as recognize_parts
 from palpate.cli import options, plan_options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import print_document, recognition_document
-from palpate.cli.parts import Parts, load_parts, part_notes
+from palpate.cli.parts import Parts, load_parts, part_notes, plane_only
 from palpate.cli.plan_report import print_plan, sensor_words
 from palpate.cli.recognize import prior_of, with_place
 from palpate.cli.report import print_counters, print_recognition
@@ -130,6 +130,7 @@ def plan(
         position_slack=position_slack,
         normal_slack_deg=normal_slack_deg,
     )
+    plane_only(parts.models, "planning")
     evidence = read_contacts(
         contacts,
         unit=unit,

@@ -11,6 +11,7 @@ import typer
 
 from palpate import Contact, Sensor
 from palpate.cli import options
+from palpate.cli.options import numbers_of
 
 PLANNERS = ("auto", "complete", "ellis", "grimson", "schneiter")
 METHODS = ("greedy", "ahead", "optimal")
@@ -52,17 +53,6 @@ def stop_of(text: str) -> Any:
     raise typer.BadParameter(
         f"must be perfect, unique=K or share=F with F above 0 and at most 1 (got {text!r})"
     )
-
-
-def numbers_of(text: str, count: int, meaning: str) -> list[float]:
-    """So many finite numbers, separated by commas."""
-    try:
-        values = [float(part) for part in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(map(math.isfinite, values)):
-        raise typer.BadParameter(f"must be {meaning} (got {text!r})")
-    return values
 
 
 def workspace(text: str) -> str:

@@ -17,6 +17,11 @@ from palpate.cli.documents import print_document, recognition_document
 from palpate.cli.parts import Parts, load_parts, part_notes
 from palpate.cli.report import print_counters, print_recognition
 from palpate.contacts import Evidence, read_contacts
+from palpate.curves import Array
+from palpate.rotations import rotation_of
+
+# How the command line has a pose, by the dimension, and what that is in words.
+POSE_FORMS = {2: ("X,Y,DEG", "three numbers"), 3: ("X,Y,Z,RX,RY,RZ", "six numbers for parts in space")}
 
 
 def recognize(
@@ -30,6 +35,7 @@ def recognize(
     prior_pose: options.PriorPose = None,
     prior_translation: options.PriorTranslation = None,
     prior_rotation_deg: options.PriorRotationDeg = None,
+    on_table: options.OnTable = None,
     features: options.Features = None,
     max_hypotheses: options.MaxHypotheses = None,
     list_interpretations: options.ListInterpretations = 0,
@@ -66,9 +72,8 @@ def recognize(
         tip_radius=tip_radius,
         path_error=path_error,
     )
-    prior = (
-        prior_of(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg) or evidence.prior
-    )
+    bounds = {"translation": prior_translation, "rotation_deg": prior_rotation_deg}
+    prior = prior_of(prior_pose, **bounds, on_table=on_table, dimension=parts.dimension) or evidence.prior
     limit = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
     kinds = None if features is None else tuple(features.split(","))
     try:
@@ -151,29 +156,58 @@ def _draw(
     save_figure(figure, path)
 
 
-def prior_of(pose: str | None, *, translation: float | None, rotation_deg: float | None) -> Prior | None:
+def prior_of(
+    pose: str | None,
+    *,
+    translation: float | None,
+    rotation_deg: float | None,
+    on_table: str | None = None,
+    dimension: int = 2,
+) -> Prior | None:
     """The prior of the flags, None if there is none of them."""
+    form, _ = POSE_FORMS[dimension]
     if pose is None:
-        for flag, value in (("--prior-translation", translation), ("--prior-rotation-deg", rotation_deg)):
+        for flag, value in (
+            ("--prior-translation", translation),
+            ("--prior-rotation-deg", rotation_deg),
+            ("--on-table", on_table),
+        ):
             if value is not None:
-                raise ValueError(f"{flag} {value:g}: must be given with --prior-pose; give it as X,Y,DEG")
+                shown = value if isinstance(value, str) else f"{value:g}"
+                raise ValueError(f"{flag} {shown}: must be given with --prior-pose; give it as {form}")
         return None
     if translation is None:
+        near = "x and y" if dimension == 2 else "x, y and z"
         raise ValueError(
-            "--prior-pose: must be given with --prior-translation; say how far x and y may be from it"
+            f"--prior-pose: must be given with --prior-translation; say how far {near} may be from it"
         )
     half_turn_deg = 180.0
     rotation = math.radians(half_turn_deg if rotation_deg is None else rotation_deg)
-    return Prior(pose_of(pose, "--prior-pose"), translation=translation, rotation=rotation)
+    middle = pose_of(pose, "--prior-pose", dimension)
+    if on_table is None:
+        return Prior(middle, translation=translation, rotation=rotation)
+    if dimension == 2:
+        raise ValueError(f"--on-table {on_table}: must be given with parts in space; leave it out")
+    height, tilt_deg = map(float, on_table.split(","))
+    lying = {"height": height, "tilt": math.radians(tilt_deg)}
+    return Prior.on_plane(middle, translation=translation, rotation=rotation, **lying)
 
 
-def pose_of(text: str, flag: str) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    """The pose that a flag has as X,Y,DEG."""
+def pose_of(text: str, flag: str, dimension: int = 2) -> Array:
+    """The pose that a flag has as X,Y,DEG; in space as X,Y,Z,RX,RY,RZ."""
+    form, numbers = POSE_FORMS[dimension]
     try:
-        x, y, angle_deg = (float(part) for part in text.split(","))
+        values = [float(part) for part in text.split(",")]
     except ValueError:
-        x = y = angle_deg = math.nan
-    if not math.isfinite(x + y + angle_deg):
-        raise ValueError(f"{flag}: must be three numbers (got {text!r}); give it as X,Y,DEG")
-    cosine, sine = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-    return np.array([[cosine, -sine, x], [sine, cosine, y], [0.0, 0.0, 1.0]])
+        values = []
+    if len(values) != len(form.split(",")) or not all(map(math.isfinite, values)):
+        raise ValueError(f"{flag}: must be {numbers} (got {text!r}); give it as {form}")
+    place, turn = values[:dimension], [math.radians(value) for value in values[dimension:]]
+    pose = np.eye(dimension + 1)
+    pose[:dimension, dimension] = place
+    if dimension == 3:
+        pose[:3, :3] = rotation_of(turn)
+    else:
+        cosine, sine = math.cos(turn[0]), math.sin(turn[0])
+        pose[:2, :2] = [[cosine, -sine], [sine, cosine]]
+    return pose

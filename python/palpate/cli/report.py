@@ -6,20 +6,16 @@ import itertools
 import math
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
 from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from palpate import Found, Hypothesis, Model, Recognition
-from palpate.cli.documents import excursion_bound, hypothesis_count, planar
-from palpate.cli.parts import Parts, slack_words, with_flags
+from palpate import Found, Hypothesis, Recognition
+from palpate.cli.documents import components, excursion_bound, hypothesis_count
 from palpate.contacts import Evidence
 
 MOST_ROWS = 40
-MOST_IN_LINE = 8  # numbers that are listed one by one
 
 USUAL_CAUSES = (
     "Usual causes: bounds that are too small, another unit, degrees taken for radians or the reverse, "
@@ -41,7 +37,7 @@ def print_recognition(
 
     `labels` are names of the models that tell them apart, `notes` what is to be known of them.
     """
-    given = f"{_count(len(evidence.contacts), 'contact')}, {_count(len(labels), 'model')}"
+    given = f"{count(len(evidence.contacts), 'contact')}, {count(len(labels), 'model')}"
     console.print(f"{given}: {_verdict(found, labels)}")
     for note in notes:
         console.print(f"  {note}", markup=False, soft_wrap=True)
@@ -57,9 +53,11 @@ def print_recognition(
     console.print(_hypothesis_table(found.hypotheses[:MOST_ROWS], labels))
     if len(found.hypotheses) > MOST_ROWS:
         console.print(f"... and {len(found.hypotheses) - MOST_ROWS} more; --json lists all of them.")
+    in_space = found.hypotheses[0].model.dimension == 3
+    angles = "; rx, ry, rz: the axis times the angle, in degrees" if in_space else ", angles in degrees"
     console.print(
-        f"x, y, shift in {unit}, angles in degrees. Turn, shift: no two poses of one hypothesis differ "
-        "by more; the shift is that of any vertex of the part."
+        f"x, y, {'z, ' if in_space else ''}shift in {unit}{angles}. Turn, shift: no two poses of one "
+        "hypothesis differ by more; the shift is that of any vertex of the part."
     )
     if any(hypothesis.marginal for hypothesis in found.hypotheses):
         console.print("* marginal: holds only within the tolerance of the search.")
@@ -80,31 +78,6 @@ def print_counters(console: Console, found: Recognition, labels: Sequence[str]) 
     console.print(table)
 
 
-def print_models(console: Console, parts: Parts, *, unit: str) -> None:
-    """What was read of each model; what was changed in reading comes first."""
-    for number, (model, label) in enumerate(zip(parts.models, parts.labels, strict=True), start=1):
-        kind = "closed" if model.closed else "open"
-        counts = f"{_count(len(model.faces), 'face')}, {_count(len(model.vertices), 'vertex')}"
-        console.print(f"[bold]{escape(label)}[/bold]: {counts}, {kind}, size {model.size:.6g} {unit}")
-        for mend in model.mends:
-            console.print(f"  mended: {with_flags(mend)}", markup=False, soft_wrap=True)
-        if label != model.name:
-            console.print(f"  from {parts.sources[number - 1]}", markup=False)
-        first = 1 + parts.models.index(model)
-        if first != number:
-            console.print(f"  the same as model {first}")
-        if model.position_slack or model.normal_slack:
-            slack = slack_words(model, unit=unit)
-            console.print(f"  slack of the outline: {slack}, added to the errors of every contact")
-        console.print(f"  symmetries: {_symmetries(model)}")
-        untouchable = [k for k, touchable in enumerate(model.touchable_vertices) if not touchable]
-        if untouchable:
-            console.print(f"  vertices that can't be touched: {_numbers(untouchable)}")
-        console.print(_face_table(model, unit=unit))
-        if len(model.faces) > MOST_ROWS:
-            console.print(f"  ... and {len(model.faces) - MOST_ROWS} more faces; --json lists all of them.")
-
-
 def conflict_sentence(conflict: Sequence[int], evidence: Evidence) -> str:
     """The conflict in words, contacts counted from 1."""
     beside = [
@@ -118,7 +91,7 @@ def conflict_sentence(conflict: Sequence[int], evidence: Evidence) -> str:
     if len(numbers) == 1:
         return f"Contact {numbers[0]}{at} can't hold on any model{given}, even alone."
     rest = "" if len(numbers) == len(evidence.contacts) else "; the others are not needed for that"
-    return f"Contacts {_words(numbers)}{at} can't hold together on any model{given}{rest}."
+    return f"Contacts {words(numbers)}{at} can't hold together on any model{given}{rest}."
 
 
 def _places(places: Sequence[str]) -> str:
@@ -127,11 +100,12 @@ def _places(places: Sequence[str]) -> str:
         return ""
     if all(place.startswith("line ") for place in places):
         lines = [place.removeprefix("line ") for place in places]
-        return f" (line{'' if len(lines) == 1 else 's'} {_words(lines)} of the file)"
-    return f" ({_words(places)} of the file)"
+        return f" (line{'' if len(lines) == 1 else 's'} {words(lines)} of the file)"
+    return f" ({words(places)} of the file)"
 
 
-def _words(items: Sequence[str]) -> str:
+def words(items: Sequence[str]) -> str:
+    """`1, 3 and 4`."""
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
 
 
@@ -139,11 +113,11 @@ def _verdict(found: Recognition | Found, labels: Sequence[str]) -> str:
     numbers = list(dict.fromkeys(hypothesis.model_number for hypothesis in found.hypotheses))
     parts = [escape(labels[number]) for number in numbers]
     interpretations = _at_least(found.interpretation_count, found.interpretation_count_exact)
-    counts = f"{_count(len(found.hypotheses), 'hypothesis')}, {interpretations} in all"
+    counts = f"{count(len(found.hypotheses), 'hypothesis')}, {interpretations} in all"
     if not found.complete:
         number = hypothesis_count(found)
         listed = len(found.hypotheses)
-        reached = f"{_count(number, 'hypothesis')} reached"
+        reached = f"{count(number, 'hypothesis')} reached"
         shown = "" if number == listed else f", the first {listed} listed"
         return f"[bold]not all hypotheses were found[/bold]; {reached}{shown}, {interpretations}."
     if not parts:
@@ -157,18 +131,16 @@ def _hypothesis_table(hypotheses: Sequence[Hypothesis], labels: Sequence[str]) -
     table = Table(box=box.SIMPLE_HEAD)
     table.add_column("#", justify="right")
     table.add_column("part", style="bold")
-    for head in ("interpr.", "x", "y", "angle", "turn ≤", "shift ≤"):
+    poses = [components(hypothesis.world_from_model) for hypothesis in hypotheses]
+    for head in ("interpr.", *(name.removesuffix("_deg") for name in poses[0]), "turn ≤", "shift ≤"):
         table.add_column(head, justify="right")
     size = min(hypothesis.model.size for hypothesis in hypotheses)
-    for number, hypothesis in enumerate(hypotheses, start=1):
-        x, y, angle_deg = planar(hypothesis.world_from_model)
+    for number, (hypothesis, pose) in enumerate(zip(hypotheses, poses, strict=True), start=1):
         table.add_row(
             str(number),
             escape(labels[hypothesis.model_number]) + (" *" if hypothesis.marginal else ""),
             _at_least_number(hypothesis.interpretation_count, hypothesis.interpretation_count_exact),
-            decimal(x, size),
-            decimal(y, size),
-            f"{angle_deg:.2f}",
+            *(f"{v:.2f}" if name.endswith("_deg") else decimal(v, size) for name, v in pose.items()),
             _bound(math.degrees(hypothesis.poses.rotation_bound)),
             _bound(excursion_bound(hypothesis)),
         )
@@ -185,53 +157,14 @@ def _print_interpretations(console: Console, hypothesis: Hypothesis, *, num_list
         console.print(f"  {', '.join(features)}{marginal}")
 
 
-def _face_table(model: Model, *, unit: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD)
-    for head in ("face", f"from ({unit})", f"to ({unit})", "length", "normal (°)"):
-        table.add_column(head, justify="right")
-    table.add_column("surface")
-    for index, (start, end) in enumerate(model.faces[:MOST_ROWS]):
-        table.add_row(
-            str(index),
-            f"{decimal(start[0], model.size)}, {decimal(start[1], model.size)}",
-            f"{decimal(end[0], model.size)}, {decimal(end[1], model.size)}",
-            decimal(math.hypot(*(end - start)), model.size),
-            f"{_direction_deg(model.face_normals[index]):.1f}",
-            model.face_surfaces[index],
-        )
-    return table
-
-
-def _direction_deg(vector: NDArray[np.float64]) -> float:
-    # Adding zero turns -0.0, whose direction would be -180 or -0.0, into 0.0.
-    return math.degrees(math.atan2(vector[1] + 0.0, vector[0] + 0.0))
-
-
-def _symmetries(model: Model) -> str:
-    turns = sorted(planar(motion)[2] % 360.0 for motion in model.symmetries)
-    others = [f"{turn:.4g}°" for turn in turns if 1e-6 < turn < 360.0 - 1e-6]
-    if not others:
-        return "none"
-    if len(others) > MOST_IN_LINE:
-        # All are turns, so that they are the multiples of the smallest.
-        return f"looks the same turned by multiples of {others[0]}, {len(turns)} in a full turn"
-    return f"looks the same turned by {', '.join(others)}"
-
-
-def _numbers(numbers: Sequence[int]) -> str:
-    if len(numbers) <= MOST_IN_LINE:
-        return ", ".join(map(str, numbers))
-    few = ", ".join(map(str, numbers[: MOST_IN_LINE - 3]))
-    return f"{len(numbers)} of them, {few} ... {numbers[-1]}; --json lists them"
-
-
-def _count(number: int, noun: str) -> str:
+def count(number: int, noun: str) -> str:
+    """`1 face`, `2 faces`."""
     plurals = {"hypothesis": "hypotheses", "vertex": "vertices"}
     return f"{number} {noun if number == 1 else plurals.get(noun, noun + 's')}"
 
 
 def _at_least(number: int, exact: bool) -> str:
-    return _count(number, "interpretation") if exact else f"at least {_truncated(number)} interpretations"
+    return count(number, "interpretation") if exact else f"at least {_truncated(number)} interpretations"
 
 
 def _at_least_number(number: int, exact: bool) -> str:

@@ -15,7 +15,7 @@ from palpate import Sensor
 from palpate.cli import identify_options, options, plan_options
 from palpate.cli.console import results
 from palpate.cli.documents import print_document
-from palpate.cli.parts import load_parts
+from palpate.cli.parts import load_parts, plane_only
 from palpate.usual import MAX_INCIDENCE_DEG, POSITION_ERROR
 
 Problems = Annotated[
@@ -101,6 +101,7 @@ def tune(
         position_slack=position_slack,
         normal_slack_deg=normal_slack_deg,
     )
+    plane_only(parts.models, "tuning")
     normal_error_deg = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)
     normal_error = None if normal_error_deg is None else math.radians(normal_error_deg)
     sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)

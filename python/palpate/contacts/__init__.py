@@ -2,6 +2,7 @@
 
 A CSV file has a header; its columns are `x,y` and, as needed, `kind` (`contact` or `miss`), `nx,ny`,
 `position_error`, `normal_error_deg`, `tip_radius`, `path_error`, `approach_x,approach_y`, `start_x,start_y`.
+In space each of these points has a third column: `z`, `nz`, `approach_z`, `start_z`.
 `x,y` is the centre of the tip; a miss swept from `start_x,start_y` to `x,y`. A blank cell is an absent value,
 `#` begins a comment, and the comment `# unit: in` says that the file is in another unit than the models; a
 comment that begins with "unit" and can't be understood is refused.
@@ -101,8 +102,8 @@ def write_contacts(
     """Write a contact file, CSV or JSON by its suffix. Reading it back gives equal contacts.
 
     Raises:
-        ValueError: If the suffix is neither, something else is among the contacts or misses, or a prior is to
-            go into CSV, which has no place for it.
+        ValueError: If the suffix is neither, something else is among the contacts or misses, the plane is
+            mixed with space, or a prior is to go into CSV, which has no place for it.
     """
     path = Path(path)
     mm_per(unit, "unit")

@@ -9,13 +9,15 @@ import re
 from palpate.contacts.entry import MM_PER_UNIT, SCALARS, Entry, Point, Sheet, refuse
 
 POINT_COLUMNS = {
-    "center": ("x", "y"),
-    "normal": ("nx", "ny"),
-    "approach": ("approach_x", "approach_y"),
-    "start": ("start_x", "start_y"),
+    "center": ("x", "y", "z"),
+    "normal": ("nx", "ny", "nz"),
+    "approach": ("approach_x", "approach_y", "approach_z"),
+    "start": ("start_x", "start_y", "start_z"),
 }
-COLUMNS = ("kind", "x", "y", "nx", "ny", *SCALARS, "approach_x", "approach_y", "start_x", "start_y")
-SPACE_COLUMNS = ("z", "nz", "approach_z", "start_z")
+CENTER, NORMAL, *WAYS = POINT_COLUMNS.values()
+COLUMNS = ("kind", *CENTER, *NORMAL, *SCALARS, *(column for way in WAYS for column in way))
+# A file that has any of these is of space, and has all of those that go with its other columns.
+SPACE_COLUMNS = tuple(columns[2] for columns in POINT_COLUMNS.values())
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")  # float() would also take "nan" and "1_000"
 # A comment that begins with "unit" is meant to say one: what of it is not understood is refused.
 UNIT_COMMENT = re.compile(r"units?(?![a-z])(.*)", re.IGNORECASE)
@@ -46,7 +48,7 @@ def parse_csv(name: str, text: str) -> Sheet:
             continue
         row = _row_of(where, cells, header)
         if row:  # a row of blanks is what spreadsheets leave at the end
-            (misses if _kind(where, row) == "miss" else contacts).append(_entry(where, row))
+            (misses if _kind(where, row) == "miss" else contacts).append(_entry(where, row, header))
     if header is None:
         refuse(name, "no header in it", "begin with a line such as x,y,nx,ny")
     return Sheet(unit, contacts, misses)
@@ -94,21 +96,27 @@ def _header(where: str, cells: list[str]) -> list[str]:
     while not header[-1]:  # columns that a spreadsheet adds; the rows must leave them blank
         header.pop()
     for column in header:
-        if column in SPACE_COLUMNS:
-            refuse(
-                f"{where}, column {column}",
-                "contacts in space are not supported yet",
-                "leave the z columns out",
-            )
         if column not in COLUMNS:
             refuse(f"{where}, column {column!r}", "unknown", f"the columns are {','.join(COLUMNS)}")
         if header.count(column) > 1:
             refuse(f"{where}, column {column}", "is there twice", "remove one of them")
-    for pair in POINT_COLUMNS.values():
-        missing = [column for column in pair if column not in header]
-        if missing and (pair == ("x", "y") or len(missing) == 1):
-            refuse(f"{where}, column {missing[0]}", "absent from the header", "give both coordinates")
+    for columns in _point_columns(header).values():
+        missing = [column for column in columns if column not in header]
+        if missing and ("x" in columns or len(missing) < len(columns)):
+            also = [column for column in SPACE_COLUMNS if column in header]
+            why = f", though there is {also[0]}" if also and missing[0] in SPACE_COLUMNS else ""
+            refuse(f"{where}, column {missing[0]}", f"absent from the header{why}", _all_or(columns))
     return header
+
+
+def _point_columns(header: list[str]) -> dict[str, tuple[str, ...]]:
+    """The columns of each point, two in the plane and three in space."""
+    dimension = 3 if any(column in SPACE_COLUMNS for column in header) else 2
+    return {name: columns[:dimension] for name, columns in POINT_COLUMNS.items()}
+
+
+def _all_or(columns: tuple[str, ...], otherwise: str = "") -> str:
+    return f"give {', '.join(columns[:-1])} and {columns[-1]}{otherwise}"
 
 
 def _refuse_what_is_no_header(where: str, cells: list[str]) -> None:
@@ -139,8 +147,9 @@ def _kind(where: str, row: dict[str, str]) -> str:
     return kind
 
 
-def _entry(where: str, row: dict[str, str]) -> Entry:
-    points = {name: point for name, pair in POINT_COLUMNS.items() if (point := _point(where, row, pair))}
+def _entry(where: str, row: dict[str, str], header: list[str]) -> Entry:
+    named = _point_columns(header).items()
+    points = {name: point for name, columns in named if (point := _point(where, row, columns))}
     scalars = {name: _number(where, row, name) for name in SCALARS if name in row}
     if "center" not in points:
         refuse(f"{where}, column x", "blank", "give the place of the tip")
@@ -149,7 +158,7 @@ def _entry(where: str, row: dict[str, str]) -> Entry:
             refuse(
                 f"{where}, column start_x",
                 "blank in a miss",
-                "a miss swept from start_x,start_y to x,y: give both",
+                f"a miss swept from its start to {','.join(_point_columns(header)['center'])}: give both",
             )
         if "normal" in points:
             refuse(f"{where}, column nx", "a miss has no normal", "leave it blank")
@@ -157,17 +166,14 @@ def _entry(where: str, row: dict[str, str]) -> Entry:
     return Entry(where, points, scalars)
 
 
-def _point(where: str, row: dict[str, str], pair: tuple[str, str]) -> Point | None:
-    if not any(column in row for column in pair):
+def _point(where: str, row: dict[str, str], columns: tuple[str, ...]) -> Point | None:
+    if not any(column in row for column in columns):
         return None
-    for column in pair:
+    for column in columns:
         if column not in row:
-            refuse(
-                f"{where}, column {column}",
-                "blank while its partner is not",
-                "give both coordinates, or neither",
-            )
-    return _number(where, row, pair[0]), _number(where, row, pair[1])
+            problem = "blank while its partner is not"
+            refuse(f"{where}, column {column}", problem, _all_or(columns, ", or none of them"))
+    return tuple(_number(where, row, column) for column in columns)
 
 
 def _number(where: str, row: dict[str, str], column: str) -> float:
@@ -184,6 +190,6 @@ def _number(where: str, row: dict[str, str], column: str) -> float:
 def _row(kind: str, entry: Entry) -> dict[str, str]:
     row = {"kind": kind} | {name: repr(value) for name, value in entry.scalars.items()}
     for name, point in entry.points.items():
-        for column, value in zip(POINT_COLUMNS["center" if name == "end" else name], point, strict=True):
+        for column, value in zip(POINT_COLUMNS["center" if name == "end" else name], point, strict=False):
             row[column] = repr(value)
     return row

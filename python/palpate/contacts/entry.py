@@ -16,7 +16,7 @@ MM_PER_UNIT = {"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft":
 SCALARS = ("position_error", "normal_error_deg", "tip_radius", "path_error")
 PLACES = ("center", "start", "end")  # the other points are directions and have no unit
 
-Point = tuple[float, float]
+Point = tuple[float, ...]  # two coordinates in the plane, three in space
 Kind = TypeVar("Kind")
 
 
@@ -40,9 +40,18 @@ class Entry:
 
     def scaled(self, factor: float) -> Entry:
         """The same entry with its lengths multiplied by `factor`; directions and angles stay."""
-        points = {k: (p[0] * factor, p[1] * factor) if k in PLACES else p for k, p in self.points.items()}
+        points = {k: tuple(factor * c for c in p) if k in PLACES else p for k, p in self.points.items()}
         scalars = {k: v if k.endswith("_deg") else v * factor for k, v in self.scalars.items()}
         return replace(self, points=points, scalars=scalars)
+
+
+@dataclass(frozen=True)
+class Lying:
+    """What else is known of a part that lies on a plane in space."""
+
+    height: float
+    tilt_deg: float
+    normal: Point = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -53,12 +62,14 @@ class PriorEntry:
     world_from_model: list[list[float]]
     translation: float
     rotation_deg: float
+    lying: Lying | None = None
 
     def scaled(self, factor: float) -> PriorEntry:
         """The same prior with its lengths multiplied by `factor`."""
-        rows = [[*row[:2], row[2] * factor] for row in self.world_from_model[:2]]
-        pose = [*rows, self.world_from_model[2]]
-        return replace(self, world_from_model=pose, translation=self.translation * factor)
+        *rows, last = self.world_from_model
+        pose = [*([*row[:-1], row[-1] * factor] for row in rows), last]
+        lying = None if self.lying is None else replace(self.lying, height=self.lying.height * factor)
+        return replace(self, world_from_model=pose, translation=self.translation * factor, lying=lying)
 
 
 @dataclass(frozen=True)
@@ -78,6 +89,16 @@ class Sheet:
             misses=[entry.scaled(factor) for entry in self.misses],
             prior=None if self.prior is None else self.prior.scaled(factor),
         )
+
+
+def check_dimension(points: Iterable[tuple[str, int]], *, remedy: str) -> None:
+    """Refuse evidence of the plane mixed with evidence of space; each is its place and its dimension."""
+    first: tuple[str, int] | None = None
+    for where, dimension in points:
+        first = first or (where, dimension)
+        if dimension != first[1]:
+            said = f"{dimension} coordinates where {first[0]} has {first[1]}"
+            refuse(where, f"the plane is mixed with space (got {said})", remedy)
 
 
 def refuse(where: str, problem: str, remedy: str) -> NoReturn:
@@ -170,12 +191,15 @@ def miss_of(entry: Entry, defaults: Defaults) -> Miss:
 def prior_of(entry: PriorEntry) -> Prior:
     """The prior that `entry` describes."""
     check_degrees(f"{entry.where}: rotation_deg", entry.rotation_deg, 180.0)
+    pose, lying = np.array(entry.world_from_model), entry.lying
+    if lying is not None:
+        check_degrees(f"{entry.where}: tilt_deg", lying.tilt_deg, 180.0)
+    bounds = {"translation": entry.translation, "rotation": math.radians(entry.rotation_deg)}
     try:
-        return Prior(
-            np.array(entry.world_from_model),
-            translation=entry.translation,
-            rotation=math.radians(entry.rotation_deg),
-        )
+        if lying is None:
+            return Prior(pose, **bounds)
+        on_plane = {"height": lying.height, "tilt": math.radians(lying.tilt_deg)}
+        return Prior.on_plane(pose, **bounds, **on_plane, normal=lying.normal)
     except ValueError as error:
         raise ValueError(f"{entry.where}: {error}") from None
 
@@ -186,12 +210,10 @@ def sheet_of(contacts: Sequence[Contact], misses: Sequence[Miss], *, prior: Prio
     misses = _all_of("misses", misses, Miss)
     if not isinstance(prior, Prior | None):
         refuse("prior", f"must be a Prior (got {_brief(prior)})", "give palpate.Prior, or leave it out")
-    points = [(f"contacts[{k}]", contact.center) for k, contact in enumerate(contacts)]
-    points += [(f"misses[{k}]", miss.start) for k, miss in enumerate(misses)]
-    points += [] if prior is None else [("prior", prior.world_from_model[0, 1:])]
-    for name, point in points:
-        if len(point) != 2:
-            refuse(name, "is of space (got 3 coordinates)", "contact files hold the plane only")
+    points = [(f"contacts[{k}]", len(contact.center)) for k, contact in enumerate(contacts)]
+    points += [(f"misses[{k}]", len(miss.start)) for k, miss in enumerate(misses)]
+    points += [] if prior is None else [("prior", len(prior.world_from_model) - 1)]
+    check_dimension(points, remedy="write them into two files")
     return Sheet(
         unit,
         [_entry_of_contact(contact) for contact in contacts],
@@ -237,12 +259,14 @@ def _entry_of_miss(miss: Miss) -> Entry:
 
 def _entry_of_prior(prior: Prior) -> PriorEntry:
     pose = np.asarray(prior.world_from_model, dtype=float).tolist()
-    return PriorEntry("", pose, prior.translation, shortest_degrees(prior.rotation))
+    lying = None
+    if prior.height is not None and prior.tilt is not None and prior.normal is not None:
+        lying = Lying(prior.height, shortest_degrees(prior.tilt), _point(prior.normal))
+    return PriorEntry("", pose, prior.translation, shortest_degrees(prior.rotation), lying)
 
 
 def _point(values: Any) -> Point:
-    x, y = values
-    return float(x), float(y)
+    return tuple(float(value) for value in values)
 
 
 def shortest_degrees(radians: float) -> float:

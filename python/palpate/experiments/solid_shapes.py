@@ -6,17 +6,23 @@ All are closed, and their triangles run counter-clockwise from outside. Most are
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from random import Random
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate._core import Model
+from palpate._core import Contact, Model
+from palpate.contacts import contacts_document
 from palpate.curves import Array
 from palpate.experiments import random_parts
+from palpate.model_json import document_of, text_of
+from palpate.solids.faces import face_places
 from palpate.solids.mesh import Body, Numbers, SolidMesh, half_edges, pieces_of
 from palpate.solids.polygons import with_holes
+from palpate.usual import NORMAL_ERROR_DEG, POSITION_ERROR
 
 # From the lower to the upper corner.
 Box = tuple[Sequence[float], Sequence[float]]
@@ -66,6 +72,30 @@ DRAWN: dict[str, Callable[[], SolidMesh]] = {
     "rib-plate": rib_plate,
     "flange": flange,
 }
+
+
+# --- those that come with palpate -----------------------------------------------------------------
+
+# Which are bundled, by the names they then have, and on which faces their contacts lie.
+BUNDLED = {
+    "l-bracket": (bracket, (3, 4, 9, 14)),
+    "rib-plate": (rib_plate, (2, 13, 22, 32)),
+    "hexagon": (hexagon, (0, 2, 9, 14)),
+    "flange": (flange, (0, 41, 63, 68)),
+}
+
+
+def bundled_files(name: str) -> tuple[str, str]:
+    """A bundled solid and its contacts, as their files have them."""
+    make, touched = BUNDLED[name]
+    solid = make()
+    model = Model.mesh(solid.vertices, solid.triangles, name=name)
+    note = "Drawn by the project, in experiments/solid_shapes.py."
+    places = face_places(model)
+    bounds = {"position_error": POSITION_ERROR, "normal_error": math.radians(NORMAL_ERROR_DEG)}
+    contacts = [Contact(places[face], model.face_normals[face], **bounds) for face in touched]
+    texts = ({**document_of(model, "mm"), "note": note}, contacts_document(contacts, unit="mm"))
+    return text_of(texts[0]), text_of(texts[1])
 
 
 # --- random solids --------------------------------------------------------------------------------
@@ -283,3 +313,11 @@ def _turned(loop: Loop, sense: float) -> Array:
     x, y = (points - points[0]).T
     area = float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
     return points if area * sense > 0.0 else points[::-1]
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
+    for bundled in BUNDLED:
+        solid_text, contacts_text = bundled_files(bundled)
+        (folder / f"{bundled}.json").write_text(solid_text, encoding="utf-8")
+        (folder / "contacts" / f"{bundled}.json").write_text(contacts_text, encoding="utf-8")

@@ -17,13 +17,15 @@ from palpate._core import Contact, Hypothesis, Miss, Model, Recognition
 from palpate.plots.shapes import (
     HALO,
     Array,
-    check_planar,
+    add_axes,
     draw_contact,
     draw_miss,
     draw_model,
     evidence_points,
+    fit,
     placed,
 )
+from palpate.plots.solids import in_sight, to_viewer
 from palpate.plots.style import (
     CONFLICT,
     RC,
@@ -32,15 +34,16 @@ from palpate.plots.style import (
     frame_of,
     new_figure,
     part_style,
-    set_frame,
     shape_of,
     thinned,
     words,
 )
+from palpate.solids.faces import face_places
 
 TRUE_DASH = (0, (4, 3))
 MOST_DRAWN = 25  # hypotheses in one picture; more can't be told apart
 MOST_NUMBERED = 60  # faces of a model that fills its frame that get a number
+LEAST_TURNED = 0.2  # towards the viewer, as the cosine of the angle: a face in space that gets a number
 SMALLEST_SEEN = 0.004  # of the frame: less than the width of a line
 
 
@@ -60,14 +63,13 @@ def plot_recognition(
     have the same.
     """
     drawn = list(found.hypotheses[:MOST_DRAWN])
-    check_planar(hypothesis.model for hypothesis in drawn)
     parts = list(dict.fromkeys(hypothesis.model_number for hypothesis in found.hypotheses))
     corners = [placed(h.world_from_model, h.model.vertices) for h in drawn]
     spike = spike_for(corners, contacts)
     low, high = frame_of(np.vstack([*corners, *evidence_points(contacts, misses, spike=spike)]))
     with mpl.rc_context(RC):
         figure = new_figure(shape_of(low, high))
-        axes = figure.add_subplot()
+        axes = add_axes(figure, len(low))
         fill = 0.16 / max(1.0, len(drawn) / 4)
         numbers_at = number_places(corners, [np.asarray(contact.center) for contact in contacts])
         for number, hypothesis in enumerate(drawn, start=1):
@@ -84,7 +86,7 @@ def plot_recognition(
             draw_miss(axes, miss)
         axes.set_title(title if title is not None else _recognition_title(found))
         _add_part_legend(figure, found, part_names)
-        set_frame(axes, low, high, unit=unit)
+        fit(axes, low, high, unit=unit)
     return figure
 
 
@@ -100,20 +102,20 @@ def plot_pose_range(
 ) -> Figure:
     """The range of poses of one hypothesis, as in figure 2.4 of the thesis.
 
-    Faint: sampled poses, each of them valid. Bold: the pose of largest slack. Shaded: where each vertex may
-    be. Dashed, where it is known: the part at its true pose.
+    Faint: sampled poses, each of them valid. Bold: the pose of largest slack. Shaded, in the plane: where
+    each vertex may be. Dashed, where it is known: the part at its true pose.
     """
     model, poses = hypothesis.model, hypothesis.poses
-    check_planar([model])
+    in_plane = model.dimension == 2
     samples = poses.sample(num_samples, seed=seed)
-    ranges = [np.asarray(poses.outline(vertex)) for vertex in model.vertices]
+    ranges = [np.asarray(poses.outline(vertex)) for vertex in model.vertices] if in_plane else []
     corners = [placed(pose, model.vertices) for pose in [*samples, hypothesis.world_from_model]]
     spike = spike_for(corners[-1:], contacts)
     low, high = frame_of(np.vstack([*corners, *ranges, *evidence_points(contacts, misses, spike=spike)]))
     color, _ = part_style(0)
     with mpl.rc_context(RC):
         figure = new_figure(shape_of(low, high))
-        axes = figure.add_subplot()
+        axes = add_axes(figure, len(low))
         for region in ranges:
             axes.add_patch(
                 Polygon(region, facecolor="#E69F00", edgecolor="#B87C00", alpha=0.3, lw=0.7, zorder=1)
@@ -144,12 +146,12 @@ def plot_pose_range(
             handles = [
                 Line2D([], [], color=color, lw=2.0, label=best),
                 Line2D([], [], color=color, lw=0.8, alpha=0.5, label=f"{len(samples)} sampled poses"),
-                Line2D(
-                    [], [], marker="s", ls="", color="#E69F00", alpha=0.5, label="where each vertex may be"
-                ),
             ]
+            if ranges:
+                shaded = {"marker": "s", "ls": "", "color": "#E69F00", "alpha": 0.5}
+                handles.append(Line2D([], [], **shaded, label="where each vertex may be"))
         figure.legend(handles=[*handles, *truth], loc="outside lower center", ncols=3 + len(truth))
-        set_frame(axes, low, high, unit=unit)
+        fit(axes, low, high, unit=unit)
     return figure
 
 
@@ -162,7 +164,6 @@ def plot_models(
     """
     if not models:
         raise ValueError("models: nothing to draw (got none); give at least one model")
-    check_planar(models)
     if contacts is not None and len(contacts) != len(models):
         raise ValueError(
             f"contacts: must have a list for each of {len(models)} models (got {len(contacts)}); "
@@ -173,11 +174,15 @@ def plot_models(
     with mpl.rc_context(RC):
         frames = _frames_of(models)
         cell = 6.5 if len(models) == 1 else 4.2
-        aspect = max(float((high - low)[1] / (high - low)[0]) for low, high in frames)
+        # Space is drawn in a square, with the numbers of z at the right.
+        in_space = any(model.dimension == 3 for model in models)
+        sizes = [np.ones(2) if len(low) == 3 else high - low for low, high in frames]
+        aspect = max(float(height / width) for width, height in sizes)
+        width = cell + (0.8 if in_space else 0.0)
         # The axes of a cell leave 0.6 inches for numbers at the left, 0.8 for the title and numbers below.
-        figure = new_figure((cell * num_columns, ((cell - 0.6) * min(1.5, aspect) + 0.8) * num_rows))
+        figure = new_figure((width * num_columns, ((cell - 0.6) * min(1.5, aspect) + 0.8) * num_rows))
         for index, model in enumerate(models):
-            axes = figure.add_subplot(num_rows, num_columns, index + 1)
+            axes = add_axes(figure, model.dimension, num_rows, num_columns, index + 1)
             low, high = frames[index]
             if contacts is None:
                 share = model.size / float((high - low).max())
@@ -186,7 +191,7 @@ def plot_models(
                 _draw_touched(
                     axes, model, contacts[index], color=part_style(index)[0], spike=0.1 * (high - low).max()
                 )
-            set_frame(axes, *frames[index], unit=unit)
+            fit(axes, *frames[index], unit=unit)
     return figure
 
 
@@ -196,6 +201,8 @@ def _frames_of(models: Sequence[Model]) -> list[tuple[Array, Array]]:
         frame_of(np.vstack([np.vstack(model.faces) + 0.04 * model.size * d for d in (-1, 1)]))
         for model in models
     ]
+    if len({model.dimension for model in models}) > 1:
+        return own
     sizes = np.array([high - low for low, high in own])
     if sizes.max() > 5.0 * sizes.max(axis=1).min():
         return own
@@ -205,18 +212,28 @@ def _frames_of(models: Sequence[Model]) -> list[tuple[Array, Array]]:
 
 
 def _draw_labelled(axes: Axes, model: Model, *, color: str, most: int) -> None:
-    draw_model(axes, model, np.eye(3), color=color, fill=0.12, width=1.5)
+    draw_model(axes, model, np.eye(model.dimension + 1), color=color, fill=0.12, width=1.5)
     tick = 0.035 * model.size
+    in_space = model.dimension == 3
     given = [k for k, surface in enumerate(model.face_surfaces) if surface != "seam"]
-    numbered, step = thinned(given, most)
-    for index, place in zip(numbered, _face_number_places(model, numbered, tick=tick), strict=True):
-        middle = model.faces[index].mean(axis=0)
+    numbered, step = thinned(given, most // 2 if in_space else most)
+    middles = face_places(model) if in_space else np.array([face.mean(axis=0) for face in model.faces])
+    if in_space:
+        # Numbers of what is turned away or hidden would stand among those of the faces before it.
+        turned = model.face_normals[numbered] @ to_viewer() > LEAST_TURNED
+        numbered = [
+            k for k, seen in zip(numbered, turned & in_sight(model, middles[numbered]), strict=True) if seen
+        ]
+    places = middles[numbered] if in_space else _face_number_places(model, numbered, tick=tick)
+    for index, place in zip(numbered, places, strict=True):
+        middle = middles[index]
         axes.plot(*np.array([middle, middle + tick * model.face_normals[index]]).T, color=color, lw=0.9)
         axes.text(
             *place, str(index), ha="center", va="center", fontsize=7, color="#333333", path_effects=HALO
         )
     touchable = np.asarray(model.touchable_vertices, dtype=bool)
-    for chosen, fill in ((touchable, color), (~touchable, "white")):
+    many = in_space and len(touchable) > MOST_NUMBERED
+    for chosen, fill in () if many else ((touchable, color), (~touchable, "white")):
         axes.plot(
             *model.vertices[chosen].T, ls="", marker="o", ms=3.2, mfc=fill, mec=color, mew=0.9, zorder=5
         )
@@ -227,7 +244,7 @@ def _draw_labelled(axes: Axes, model: Model, *, color: str, most: int) -> None:
 
 
 def _draw_touched(axes: Axes, model: Model, contacts: Sequence[Contact], *, color: str, spike: float) -> None:
-    draw_model(axes, model, np.eye(3), color=color, fill=0.12, width=1.5)
+    draw_model(axes, model, np.eye(model.dimension + 1), color=color, fill=0.12, width=1.5)
     for number, contact in enumerate(contacts, start=1):
         draw_contact(axes, contact, number=number, spike=spike)
     axes.set_title(f"{model.name}: {len(model.faces)} faces")
@@ -286,10 +303,10 @@ def number_places(corners: Sequence[Array], centers: Sequence[Array]) -> list[Ar
     places: list[Array] = []
     for points in corners:
         inside = points + 0.08 * (points.mean(axis=0) - points)
-        worth = np.hypot(*(inside - middle).T)
+        worth = np.linalg.norm(inside - middle, axis=1)
         for place in places:
             # A number on top of another can't be read; beyond `room` the distance no longer matters.
-            worth -= 4.0 * np.maximum(0.0, room - np.hypot(*(inside - place).T))
+            worth -= 4.0 * np.maximum(0.0, room - np.linalg.norm(inside - place, axis=1))
         places.append(inside[np.argmax(worth)])
     return places
 

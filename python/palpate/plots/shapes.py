@@ -1,43 +1,40 @@
-"""Parts, contacts and misses as matplotlib shapes."""
+"""Parts, contacts and misses as matplotlib shapes; those of space are drawn by `solids.py`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from matplotlib import patheffects
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle, PathPatch, Wedge
 from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 from palpate._core import Contact, Miss, Model
-from palpate.plots.style import FAINT, SENSED
+from palpate.plots import solids
+from palpate.plots.style import FAINT, SENSED, set_frame
 
 HALO = [patheffects.withStroke(linewidth=2.5, foreground="white")]
 
 Array = NDArray[np.float64]
 
 
-def check_planar(models: Iterable[Model]) -> None:
-    """Pictures are of the plane.
+def add_axes(figure: Figure, dimension: int, *place: int) -> Any:
+    """Axes for the plane or for space."""
+    return figure.add_subplot(*place) if dimension == 2 else solids.add_space(figure, *place)
 
-    Raises:
-        ValueError: A model in space is among them.
-    """
-    for k, model in enumerate(models):
-        if model.dimension != 2:
-            raise ValueError(
-                f"models[{k}]: pictures show the plane only (got {model.name!r}, of space); "
-                "give models of dimension 2"
-            )
+
+def fit(axes: Any, low: Array, high: Array, *, unit: str) -> None:
+    """Equal axes over the frame, with the unit on all of them."""
+    (set_frame if len(low) == 2 else solids.set_space)(axes, low, high, unit=unit)
 
 
 def placed(world_from_model: Array, points_model: Array) -> Array:
-    """`points_world`, shape `(n, 2)`."""
-    return points_model @ world_from_model[:2, :2].T + world_from_model[:2, 2]
+    """`points_world`, shape `(n, d)`."""
+    return points_model @ world_from_model[:-1, :-1].T + world_from_model[:-1, -1]
 
 
 def outline_of(model: Model) -> Outline:
@@ -58,6 +55,9 @@ def draw_model(axes: Axes, model: Model, world_from_model: Array, **look: Any) -
 
     `look`: color, dash, width, alpha (of the lines), fill (alpha of the inside), zorder.
     """
+    if model.dimension == 3:
+        solids.draw_solid(axes, model, world_from_model, **look)
+        return
     color, zorder, alpha = look["color"], look.get("zorder", 2.0), look.get("alpha", 1.0)
     if model.closed and look.get("fill", 0.0) > 0.0:
         outline = outline_of(model)
@@ -98,6 +98,27 @@ def draw_contact(
     `swept`: whether its free way is drawn too.
     """
     center = np.asarray(contact.center)
+    if len(center) == 3:
+        away = solids.draw_touch(axes, contact, spike=spike, color=color, swept=swept)
+    else:
+        away = _draw_touch(axes, contact, spike=spike, color=color, swept=swept)
+    # The number stands beyond the spike, or up and to the right of a bare contact.
+    beyond = center + (1.25 * spike * away if away is not None else 0.3 * spike * np.ones(len(center)))
+    axes.text(
+        *beyond,
+        str(number),
+        color=color,
+        ha="center",
+        va="center",
+        fontweight="bold",
+        path_effects=HALO,
+        zorder=11,
+    )
+
+
+def _draw_touch(axes: Axes, contact: Contact, *, spike: float, color: str, swept: bool) -> Array | None:
+    """The same in the plane without its number; returns the way to where that belongs, if there is one."""
+    center = np.asarray(contact.center)
     axes.add_patch(Circle(tuple(center), contact.position_error, facecolor=color, alpha=0.22, lw=0, zorder=8))
     if contact.tip_radius > 0.0:
         axes.add_patch(Circle(tuple(center), contact.tip_radius, fill=False, ec=color, lw=0.9, zorder=9))
@@ -118,18 +139,7 @@ def draw_contact(
     if swept and contact.start is not None:
         axes.plot(*np.array([contact.start, center]).T, color=FAINT, lw=0.9, ls=(0, (1, 2)), zorder=7)
     axes.plot(*center, marker="o", ms=3.6, color=color, zorder=10)
-    # The number stands beyond the spike, or up and to the right of a bare contact.
-    beyond = center + (1.25 * spike * away if away is not None else spike * np.array([0.3, 0.3]))
-    axes.text(
-        *beyond,
-        str(number),
-        color=color,
-        ha="center",
-        va="center",
-        fontweight="bold",
-        path_effects=HALO,
-        zorder=11,
-    )
+    return away
 
 
 def _draw_approach(axes: Axes, center: Array, approach: Array, *, spike: float, color: str) -> None:
@@ -144,6 +154,9 @@ def _draw_approach(axes: Axes, center: Array, approach: Array, *, spike: float, 
 
 def draw_miss(axes: Axes, miss: Miss) -> None:
     """A guarded move that touched nothing: a dashed line, with the tip to scale at its end."""
+    if len(miss.start) == 3:
+        solids.draw_free(axes, miss)
+        return
     swept = np.array([miss.start, miss.end])
     axes.plot(*swept.T, color=FAINT, lw=1.3, ls=(0, (4, 3)), zorder=7)
     axes.plot(*swept[1], marker="x", ms=5, color=FAINT, zorder=7)

@@ -23,6 +23,8 @@ SENSED = "#111111"
 CONFLICT = "#C00000"
 FAINT = "#8A8A8A"
 
+_LEAST_SIDE = 0.6  # of a frame in space, as a share of its largest
+
 FORMATS = (".svg", ".png", ".pdf")
 
 RC: dict[str, Any] = {
@@ -53,14 +55,20 @@ def new_figure(shape: tuple[float, float]) -> Figure:
 
 
 def frame_of(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Opposite corners of a frame around `points` `(n, 2)`, with a margin."""
+    """Opposite corners of a frame around `points` `(n, d)`, with a margin."""
     low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.06 * float((high - low).max()) or 1.0  # a single point gets a frame too
+    most = float((high - low).max())
+    margin = 0.06 * most or 1.0  # a single point gets a frame too
+    if len(low) == 3:
+        # The axes of a flat or slender box would leave no room for their labels.
+        margin = np.maximum(margin, 0.5 * (_LEAST_SIDE * most - (high - low)))
     return low - margin, high + margin
 
 
 def shape_of(low: NDArray[np.float64], high: NDArray[np.float64]) -> tuple[float, float]:
     """Inches for a picture of the frame `low` to `high`: 7 wide, as high as it needs, within reason."""
+    if len(low) == 3:
+        return 7.0, 6.4
     width, height = high - low
     return 7.0, float(np.clip(6.3 * height / width + 1.2, 3.6, 8.5))
 
