@@ -61,6 +61,16 @@ pub struct PairRange {
     pub direction_back: Range,
 }
 
+impl PairRange {
+    /// Whether what is sensed of two contacts may be of two features of which this is `known`.
+    pub fn meets(&self, known: &Self) -> bool {
+        self.distance.meets(known.distance)
+            && self.angle.meets_on_circle(known.angle)
+            && self.direction.meets(known.direction)
+            && self.direction_back.meets(known.direction_back)
+    }
+}
+
 /// The tables of a model: every ordered pair of its features.
 pub trait FeaturePairs {
     /// Ranges of the pair `first`, `second`.

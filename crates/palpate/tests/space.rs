@@ -112,7 +112,13 @@ fn check(number: usize, models: &[Arc<Model>], evidence: &Evidence<DVec3>, pose:
     let found = recognize(models, evidence, &Settings::default()).expect("good input");
     let model = &models[0];
     let kept = found.hypotheses.iter().any(|one| one.model_number == 0 && one.poses.contains(pose));
-    assert!(kept, "problem {number}: the truth is lost among {}", found.hypotheses.len());
+    assert!(
+        kept,
+        "problem {number}: the truth is lost among {} {} {}",
+        found.hypotheses.len(),
+        found.complete,
+        found.reports[0].num_boxes
+    );
     for one in &found.hypotheses {
         if found.complete {
             assert!(one.poses.contains(one.poses.witness()), "problem {number}");

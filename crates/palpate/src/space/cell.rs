@@ -11,7 +11,7 @@ use super::case::{Case, PivotPose};
 use super::linear::{Cut, WIDTH, left_jacobian, row};
 use super::lp::{self, Row};
 use super::pose::{Pose, rotation, vector};
-use super::site::Site;
+use super::site::{Site, angle};
 use crate::feature::Feature;
 use crate::sweep::Sweep;
 
@@ -182,8 +182,11 @@ impl Cell {
             let caps = datum.reading.caps(conditions.angle + radius, |axis| turn * axis);
             left.retain(|number| {
                 let site = &sites[*number as usize];
-                place.distance(site.middle) <= near + site.reach
-                    && caps.iter().all(|cap| site.normal_distance(cap.axis) <= cap.angle + 1e-9)
+                place.distance_squared(site.middle) <= (near + site.reach).powi(2)
+                    && caps.iter().all(|cap| {
+                        angle(cap.axis, site.mean_normal) <= cap.angle + site.spread + 1e-9
+                            && site.normal_distance(cap.axis) <= cap.angle + 1e-9
+                    })
                     && site.distance(place, &caps) <= near
             });
             if left.is_empty() {

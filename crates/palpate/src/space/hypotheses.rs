@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use super::case::{Case, Datum};
 use super::cell::{Cell, Conditions};
+use super::first_cells::first_cells;
 use super::model::{Model, Symmetry};
+use super::pose::Pose;
 use super::pose_set::{Piece, PoseSet};
 use super::sensed::Sensed;
 use super::solve;
@@ -24,7 +26,7 @@ use crate::tree::{self, Counters};
 const MOST_NODES: u64 = 2_000_000;
 
 /// Feasible assignments after which pose cells are divided instead.
-const MOST_FEASIBLE: usize = 256;
+const MOST_FEASIBLE: usize = 512;
 
 /// Every hypothesis of one model (thesis chapter 2, in its own order).
 pub(crate) fn explain(
@@ -149,9 +151,9 @@ fn order(sensed: &[Sensed]) -> Vec<usize> {
 
 /// Of assignments that a symmetry takes into each other the first stands for all. With a prior each stands for
 /// itself, as the prior may allow one and not the other.
-fn canonical(case: &Case, assignment: &Vec<Feature>) -> bool {
+pub(super) fn canonical(case: &Case, assignment: &[Feature]) -> bool {
     case.prior.is_some()
-        || case.model.symmetries.iter().skip(1).all(|symmetry| *assignment <= symmetry.features(assignment))
+        || case.model.symmetries.iter().skip(1).all(|symmetry| *assignment <= *symmetry.features(assignment))
 }
 
 /// Decides each assignment (MATH 2.1.2): a piece with a witness, if its pose set is not empty.
@@ -173,13 +175,18 @@ fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
 fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
     let boxes: Vec<Vec<Cell>> = pieces.par_iter().map(|piece| boxes(case, piece)).collect();
     let mut groups = Groups::new(pieces.len());
+    let extents: Vec<Extent> = boxes.iter().map(|cells| Extent::of(case, cells, Pose::IDENTITY)).collect();
     // Where a pose of one explains the other: that costs little.
     for exact in [false, true] {
         for (k, one) in pieces.iter().enumerate() {
             for symmetry in &case.model.symmetries {
                 let mut image = None;
+                let extent = Extent::of(case, &boxes[k], symmetry.motion);
                 for (j, other) in pieces[..k].iter().enumerate() {
-                    if groups.root(j) == groups.root(k) || !near(case, &boxes[k], &boxes[j], symmetry) {
+                    if !extent.meets(&extents[j])
+                        || groups.root(j) == groups.root(k)
+                        || !near(case, &boxes[k], &boxes[j], symmetry)
+                    {
                         continue;
                     }
                     let image = image.get_or_insert_with(|| one.moved(case, symmetry));
@@ -205,10 +212,29 @@ fn boxes(case: &Case, piece: &Piece) -> Vec<Cell> {
         return piece.bounds.clone();
     }
     let conditions = piece.conditions(case);
-    solve::first_cells(&conditions)
-        .into_iter()
-        .filter_map(|cell| solve::contracted(&conditions, cell))
-        .collect()
+    first_cells(&conditions).into_iter().filter_map(|cell| solve::contracted(&conditions, cell)).collect()
+}
+
+/// Model points at the pivot, in a box: most pairs of pieces are apart by these alone.
+struct Extent {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Extent {
+    /// Of cells after a motion of the model, all they may share within the tolerance included.
+    fn of(case: &Case, cells: &[Cell], motion: Pose) -> Self {
+        let nothing = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+        cells.iter().fold(nothing, |all, cell| {
+            let half = DVec3::splat(cell.y_half.length() + case.length_tolerance + case.outward());
+            let middle = motion.apply(cell.y);
+            Self { low: all.low.min(middle - half), high: all.high.max(middle + half) }
+        })
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
 }
 
 /// Whether cells may have a pose in common, after a symmetry of the model.
@@ -226,15 +252,15 @@ impl Piece {
     fn meets(&self, case: &Case, other: &Self, exact: bool) -> bool {
         let holds =
             |piece: &Self, pose| piece.satisfied(case, pose, case.length_tolerance, case.angle_tolerance);
+        let both_bounded = !self.bounds.is_empty() && !other.bounds.is_empty();
+        // Boxes that touch and share features: they are parts of one set.
+        let share = |(a, b): (&Vec<Feature>, &Vec<Feature>)| a.iter().any(|one| b.binary_search(one).is_ok());
+        if both_bounded && (exact || self.features.iter().zip(&other.features).all(share)) {
+            return !exact;
+        }
         if !exact {
             return self.witness.is_some_and(|witness| holds(other, witness.pose))
                 || other.witness.is_some_and(|witness| holds(self, witness.pose));
-        }
-        if !self.bounds.is_empty() && !other.bounds.is_empty() {
-            // Boxes that touch and share features: they are parts of one set.
-            let share =
-                |(a, b): (&Vec<Feature>, &Vec<Feature>)| a.iter().any(|one| b.binary_search(one).is_ok());
-            return self.features.iter().zip(&other.features).all(share);
         }
         // Features that differ are both to be touched.
         let mut both: Vec<(usize, &[Feature])> = Vec::new();

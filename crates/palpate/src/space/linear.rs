@@ -7,12 +7,14 @@
 //! (proof: `docs/theory.md`, T17). So every condition `u·(y + S c) ≤ b` implies one that is linear in `(d, y)`, loose by a
 //! second-order term only: few cells are tight. (MATH 2.1.2 is loose by `|d| |c|`.)
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use glam::{DMat3, DVec3};
 
 use super::case::PivotPose;
 use super::cell::{Cell, Conditions, chord};
 use super::lp::Row;
-use super::site::{Site, angle};
+use super::site::{Site, angle, around};
 
 /// `(d, y − y₀, share)`: the last is how much of every bound is left, as a share.
 pub(super) const WIDTH: usize = 7;
@@ -43,7 +45,7 @@ impl Cell {
         for condition in 0..conditions.sites.len() {
             let left = || self.left_of(conditions, condition);
             directions.clear();
-            let mean: DVec3 = left().map(Site::mean_normal).sum();
+            let mean: DVec3 = left().map(|site| site.mean_normal).sum();
             let mean = mean.try_normalize();
             let (a, b) = mean.unwrap_or(DVec3::Z).any_orthonormal_pair();
             if left().count() <= FEW_SITES {
@@ -53,22 +55,19 @@ impl Cell {
                 directions.extend([mean, -mean, a, -a, b, -b]);
             }
             rows.extend(directions.iter().filter_map(|direction| linear.of_place(condition, *direction)));
-            if let Some(mean) = mean {
-                let around = (0..8).map(|k| {
-                    let (sine, cosine) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
-                    cosine * a + sine * b
-                });
-                let of_normal = |direction| linear.of_normal(condition, direction);
-                rows.extend(around.chain([-mean]).filter_map(of_normal));
+            rows.extend(directions.iter().filter_map(|direction| linear.of_foot(condition, *direction)));
+            directions.clear();
+            match (left().next(), mean) {
+                (Some(only), _) if left().count() == 1 => only.normal_directions(&mut directions),
+                (_, Some(mean)) => {
+                    directions.push(-mean);
+                    directions.extend(around(a, b));
+                }
+                _ => {}
             }
+            rows.extend(directions.iter().filter_map(|direction| linear.of_normal(condition, *direction)));
         }
-        rows.extend(self.cuts.iter().filter_map(|cut| {
-            if cut.of_normal {
-                linear.of_normal(cut.condition, cut.direction)
-            } else {
-                linear.of_place(cut.condition, cut.direction)
-            }
-        }));
+        linear.of_cuts(&self.cuts, &mut rows);
         self.prior_rows(conditions, at_middle, &mut rows);
         rows
     }
@@ -83,9 +82,10 @@ impl Cell {
         self.left[condition].iter().map(move |number| &sites[*number as usize])
     }
 
-    /// Adds the directions in which a pose misses its conditions.
-    pub fn cut_at(&mut self, conditions: &Conditions<'_>, pose: PivotPose) {
+    /// Adds the directions in which a pose misses its conditions, and their rows to `rows`.
+    pub fn cut_at(&mut self, conditions: &Conditions<'_>, pose: PivotPose, rows: &mut Vec<Row<WIDTH>>) {
         let case = conditions.case;
+        let known = self.cuts.len();
         for (condition, (contact, sites)) in conditions.sites.iter().enumerate() {
             let datum = &case.data[*contact];
             let left = || self.left[condition].iter().map(|number| &sites[*number as usize]);
@@ -110,6 +110,7 @@ impl Cell {
                 self.cuts.push(Cut { condition, direction, of_normal: false });
             }
         }
+        Linear::new(self, conditions, false).of_cuts(&self.cuts[known..], rows);
         let surplus = self.cuts.len().saturating_sub(MOST_CUTS);
         self.cuts.drain(..surplus);
     }
@@ -173,6 +174,17 @@ impl<'a> Linear<'a> {
         Self { cell, conditions, turn: cell.rotation(), jacobian, radius, loose }
     }
 
+    fn of_cuts(&self, cuts: &[Cut], rows: &mut Vec<Row<WIDTH>>) {
+        for cut in cuts {
+            if cut.of_normal {
+                rows.extend(self.of_normal(cut.condition, cut.direction));
+            } else {
+                rows.extend(self.of_place(cut.condition, cut.direction));
+                rows.extend(self.of_foot(cut.condition, cut.direction));
+            }
+        }
+    }
+
     /// No place of the condition's contact is beyond its sites by more than its bound, along `direction`.
     fn of_place(&self, condition: usize, direction: DVec3) -> Option<Row<WIDTH>> {
         let case = self.conditions.case;
@@ -190,6 +202,38 @@ impl<'a> Linear<'a> {
         (farthest > f64::NEG_INFINITY).then(|| row(about, direction, share, bound))
     }
 
+    /// No point where the condition's tip touches is beyond its features by more than its bound, along `direction`.
+    ///
+    /// The tip's centre less the radius along the sensed normal moves with the pose as any lever does: what is unknown of
+    /// the normal is then its error alone, not the cell's rotations (`of_place`).
+    fn of_foot(&self, condition: usize, direction: DVec3) -> Option<Row<WIDTH>> {
+        let case = self.conditions.case;
+        let datum = &case.data[self.conditions.sites[condition].0];
+        let (axis, error) = datum.reading.sensed.filter(|(_, error)| datum.radius > 0.0 && *error < 1.0)?;
+        if !self.cell.left_of(self.conditions, condition).any(Site::is_round) {
+            return None;
+        }
+        let foot = datum.lever - datum.radius * axis;
+        let away = normal_beyond(
+            angle(direction, self.turn * axis),
+            error + self.conditions.angle + 1e-9,
+            self.radius,
+        );
+        let supports = self.cell.left_of(self.conditions, condition).map(|site| site.foot_support(direction));
+        let farthest = supports.fold(f64::NEG_INFINITY, f64::max);
+        let lever = self.turn * foot;
+        let bound = datum.bound
+            + self.conditions.slack
+            + case.outward()
+            + self.loose * lever.length()
+            + datum.radius * away
+            + farthest
+            - direction.dot(self.cell.y + lever);
+        let share = datum.bound.max(LEAST_SHARE * case.model.size);
+        let about = self.jacobian * lever.cross(direction);
+        Some(row(about, direction, share, bound))
+    }
+
     /// No reading of the condition's normal is beyond its sites' by more than its bound, towards `direction`.
     fn of_normal(&self, condition: usize, direction: DVec3) -> Option<Row<WIDTH>> {
         let case = self.conditions.case;
@@ -202,6 +246,16 @@ impl<'a> Linear<'a> {
         let about = self.jacobian * axis.cross(direction);
         (within < 1.0).then(|| row(about, DVec3::ZERO, error.max(LEAST_SHARE), bound))
     }
+}
+
+/// The most of `u·(n − m)` for unit vectors, `n` within `error` of `m`, and `m` at `apart` from `u`, give or take `turn`.
+///
+/// It is `cos(β − error) − cos β` at an angle β from `u` to `m`, or `1 − cos β` below the error, and grows up to
+/// `β = (π + error)/2`.
+fn normal_beyond(apart: f64, error: f64, turn: f64) -> f64 {
+    let greatest = FRAC_PI_2 + 0.5 * error;
+    let beta = greatest.clamp((apart - turn).max(0.0), (apart + turn).min(PI).max((apart - turn).max(0.0)));
+    (beta - error).max(0.0).cos() - beta.cos() + 1e-12
 }
 
 pub(super) fn row(about: DVec3, direction: DVec3, share: f64, bound: f64) -> Row<WIDTH> {
@@ -229,7 +283,8 @@ fn cross_matrix(v: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::super::pose::rotation;
-    use super::left_jacobian;
+    use super::super::site::angle;
+    use super::{left_jacobian, normal_beyond};
     use glam::DVec3;
 
     fn draw(rng: &mut fastrand::Rng, size: f64) -> DVec3 {
@@ -259,5 +314,35 @@ mod tests {
             }
         }
         assert!(most > 0.8);
+    }
+
+    /// No normal within its error of a sensed one, which is within a turn of a middle, is further along than is said; some
+    /// are nearly as far.
+    #[test]
+    fn how_far_a_normal_is_beyond_is_bounded() {
+        let mut rng = fastrand::Rng::with_seed(9);
+        let mut unit = || loop {
+            let v = draw(&mut rng, 1.0);
+            if (0.1..1.0).contains(&v.length()) {
+                return v.normalize();
+            }
+        };
+        let mut share = 0.0_f64;
+        for k in 0..100_000 {
+            let (direction, middle) = (unit(), unit());
+            let (error, turn) = (0.9 * unit().x.abs(), 0.9 * unit().y.abs());
+            let beside = |from: DVec3, most: f64, toward: DVec3| {
+                rotation(from.cross(toward).normalize_or_zero() * most) * from
+            };
+            // At the bounds, and towards or away from the direction, in half of them.
+            let (first, second) = if k % 2 == 0 { (direction, direction) } else { (unit(), unit()) };
+            let sensed = beside(middle, if k % 3 == 0 { -turn } else { turn * unit().z.abs() }, first);
+            let normal = beside(sensed, error, second);
+            let most = normal_beyond(angle(direction, middle), error, turn);
+            let found = direction.dot(normal - sensed);
+            assert!(found <= most + 1e-9, "{found} {most}");
+            share = share.max(found / most);
+        }
+        assert!(share > 0.99);
     }
 }

@@ -8,6 +8,7 @@ mod cones;
 mod distance;
 mod edges;
 mod facets;
+mod first_cells;
 mod free;
 mod gap;
 mod hypotheses;

@@ -140,15 +140,19 @@ impl PoseSet {
     /// Never: a pose set without a witness is not made.
     #[must_use]
     pub fn witness(&self) -> Pose {
-        let mut witnesses = self.witnesses();
-        let witness = witnesses.next().expect("a pose set has a witness");
-        let proven = std::iter::once(witness).chain(witnesses).find(|witness| !witness.marginal);
-        self.case.pose(proven.unwrap_or(witness).pose)
+        let doubt = |witness: &Witness| (witness.undecided, witness.marginal);
+        let surest = self.witnesses().min_by_key(doubt).expect("a pose set has a witness");
+        self.case.pose(surest.pose)
     }
 
     /// Whether the search met its limit in it, so that a witness may not be valid.
     pub(crate) fn undecided(&self) -> bool {
         self.witnesses().any(|witness| witness.undecided)
+    }
+
+    /// Whether no witness is known to be valid.
+    fn undecided_alone(&self) -> bool {
+        self.witnesses().all(|witness| witness.undecided)
     }
 
     /// Whether every witness needs the tolerance τ.
@@ -187,7 +191,9 @@ impl PoseSet {
             .pieces
             .iter()
             .enumerate()
-            .filter_map(|(number, piece)| Some((number, piece.witness?.pose)))
+            .filter_map(|(number, piece)| Some((number, piece.witness?)))
+            .filter(|(_, witness)| !witness.undecided || self.undecided_alone())
+            .map(|(number, witness)| (number, witness.pose))
             .collect();
         let mut walks = started.clone();
         let extents: Vec<(f64, f64)> = started.iter().map(|(number, _)| self.extent(*number)).collect();
@@ -365,7 +371,7 @@ impl PoseSet {
             let valid = single || {
                 let features = choice.iter().map(|feature| vec![*feature]).collect();
                 let one = Piece::new(&set.case, features, None, Vec::new());
-                solve::witness_within(&one.conditions(&set.case), &piece.bounds).is_some()
+                solve::may_hold(&one.conditions(&set.case), Some(&piece.bounds), solve::MOST_EXAMINED)
             };
             valid.then(|| {
                 listed.insert(first.clone());

@@ -3,7 +3,7 @@
 //! A site is convex up to the roundness of its normals: a convex piece of a face, moved out by the radius; a part of
 //! the cylinder around an edge; a part of the ball around a vertex (MATH 2.1, 2.3.4).
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
 
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3, dvec2};
@@ -22,6 +22,10 @@ pub(crate) struct Site {
     /// A ball around all of it.
     pub middle: DVec3,
     pub reach: f64,
+    /// A normal in the middle of its cone, unit.
+    pub mean_normal: DVec3,
+    /// The angle from its mean normal to the farthest of its cone, radians.
+    pub spread: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -82,7 +86,8 @@ impl Site {
         let sides = sides.collect();
         let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let reach = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
-        Self { feature, radius, shape: Shape::Piece { normal, corners, sides }, middle, reach }
+        let shape = Shape::Piece { normal, corners, sides };
+        Self { feature, radius, shape, middle, reach, mean_normal: normal, spread: 0.0 }
     }
 
     fn edge(feature: Feature, radius: f64, [start, end]: [DVec3; 2], normals: [DVec3; 2]) -> Option<Self> {
@@ -96,7 +101,9 @@ impl Site {
         let length = start.distance(end);
         let shape = Shape::Edge { start, along, length, first, across, width };
         let (middle, reach) = (0.5 * (start + end), 0.5 * length + radius);
-        Some(Self { feature, radius, shape, middle, reach })
+        let (sine, cosine) = (0.5 * width).sin_cos();
+        let mean_normal = cosine * first + sine * across;
+        Some(Self { feature, radius, shape, middle, reach, mean_normal, spread: 0.5 * width })
     }
 
     fn vertex(feature: Feature, radius: f64, point: DVec3, corners: &[DVec3]) -> Self {
@@ -104,39 +111,52 @@ impl Site {
         let halves = corners.iter().zip(next).filter_map(|(a, b)| a.cross(*b).try_normalize());
         let cone = halves.map(Cap::half).collect();
         let shape = Shape::Vertex { point, cone, corners: corners.to_vec() };
-        Self { feature, radius, shape, middle: point, reach: radius }
+        let mean_normal = corners.iter().sum::<DVec3>().try_normalize().unwrap_or(corners[0]);
+        let spread = corners.iter().map(|corner| angle(mean_normal, *corner)).fold(0.0, f64::max);
+        Self { feature, radius, shape, middle: point, reach: radius, mean_normal, spread }
     }
 
     /// How far its hull may be from it, where its normals are known to be within `angle` of one.
     pub fn hollow(&self, angle: f64) -> f64 {
         match self.shape {
             Shape::Piece { .. } => 0.0,
-            _ => self.radius * (1.0 - self.spread().min(angle).min(FRAC_PI_2).cos()),
+            _ => self.radius * (1.0 - self.spread.min(angle).min(FRAC_PI_2).cos()),
         }
     }
 
-    /// A normal in the middle of its cone, unit.
-    pub fn mean_normal(&self) -> DVec3 {
+    /// Caps no wider than `fine` that hold all its normals.
+    pub fn cover(&self, fine: f64, out: &mut Vec<Cap>) {
         match &self.shape {
-            Shape::Piece { normal, .. } => *normal,
+            Shape::Piece { normal, .. } => out.push(Cap::around(*normal, 0.0)),
             Shape::Edge { first, across, width, .. } => {
-                let (sine, cosine) = (0.5 * width).sin_cos();
-                cosine * *first + sine * *across
+                let mut count = 1_u32;
+                while 0.5 * width > fine * f64::from(count) {
+                    count += 1;
+                }
+                let half = 0.5 * width / f64::from(count);
+                out.extend((0..count).map(|k| {
+                    let (sine, cosine) = (f64::from(2 * k + 1) * half).sin_cos();
+                    Cap::around(cosine * *first + sine * *across, half + ROUNDING)
+                }));
             }
             Shape::Vertex { corners, .. } => {
-                corners.iter().sum::<DVec3>().try_normalize().unwrap_or(corners[0])
-            }
-        }
-    }
-
-    /// The angle from its mean normal to the farthest of its cone, radians.
-    pub fn spread(&self) -> f64 {
-        match &self.shape {
-            Shape::Piece { .. } => 0.0,
-            Shape::Edge { width, .. } => 0.5 * width,
-            Shape::Vertex { corners, .. } => {
-                let mean = self.mean_normal();
-                corners.iter().map(|corner| angle(mean, *corner)).fold(0.0, f64::max)
+                if self.spread <= fine || corners.len() < 3 {
+                    out.push(Cap::around(self.mean_normal, self.spread + ROUNDING));
+                    return;
+                }
+                let rest = corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]);
+                let mut open: Vec<[DVec3; 3]> = rest.collect();
+                while let Some([a, b, c]) = open.pop() {
+                    let axis = (a + b + c).normalize_or(a);
+                    let radius = [a, b, c].iter().map(|corner| angle(axis, *corner)).fold(0.0, f64::max);
+                    if radius <= fine {
+                        out.push(Cap::around(axis, radius + ROUNDING));
+                        continue;
+                    }
+                    // Middles of sides of less than half a turn.
+                    let [d, e, f] = [(a, b), (b, c), (c, a)].map(|(a, b)| (a + b).normalize_or(a));
+                    open.extend([[a, d, f], [d, b, e], [f, e, c], [d, e, f]]);
+                }
             }
         }
     }
@@ -176,6 +196,25 @@ impl Site {
         }
     }
 
+    /// Whether it has more than one normal.
+    pub fn is_round(&self) -> bool {
+        !matches!(self.shape, Shape::Piece { .. })
+    }
+
+    /// The greatest `direction · x` over the feature's own points.
+    pub fn foot_support(&self, direction: DVec3) -> f64 {
+        match &self.shape {
+            Shape::Piece { normal, corners, .. } => {
+                let farthest = corners.iter().map(|corner| direction.dot(*corner));
+                farthest.fold(f64::NEG_INFINITY, f64::max) - self.radius * direction.dot(*normal)
+            }
+            Shape::Edge { start, along, length, .. } => {
+                direction.dot(*start) + (direction.dot(*along) * length).max(0.0)
+            }
+            Shape::Vertex { point, .. } => direction.dot(*point),
+        }
+    }
+
     /// The distance from a point to its places whose normals are in all of `allowed`; infinite if there are none.
     pub fn distance(&self, point: DVec3, allowed: &[Cap]) -> f64 {
         self.nearest(point, allowed).map_or(f64::INFINITY, |nearest| nearest.distance(point))
@@ -201,7 +240,7 @@ impl Site {
             }
             Shape::Vertex { point: corner, cone, .. } => {
                 let caps: Vec<Cap> = cone.iter().chain(allowed).copied().collect();
-                let direction = (point - *corner).try_normalize().unwrap_or_else(|| self.mean_normal());
+                let direction = (point - *corner).try_normalize().unwrap_or(self.mean_normal);
                 sphere::nearest(direction, &caps).map(|normal| *corner + self.radius * normal)
             }
         }
@@ -232,17 +271,37 @@ impl Site {
             }
             Shape::Edge { along, first, across, .. } => {
                 out.extend([*along, -*along]);
-                out.extend(around(self.mean_normal(), *first, *across));
+                let start = in_plane(*first, *across, self.mean_normal).normalize_or(DVec2::X);
+                let side = start.perp();
+                out.extend(around(start.x * *first + start.y * *across, side.x * *first + side.y * *across));
             }
             Shape::Vertex { .. } => {
-                let mean = self.mean_normal();
-                let u = mean.any_orthonormal_vector();
+                let mean = self.mean_normal;
+                let (a, b) = mean.any_orthonormal_pair();
                 out.extend([mean, -mean]);
-                out.extend((0..8).map(|k| {
-                    let (sine, cosine) = (f64::from(k) * TAU / 8.0).sin_cos();
-                    cosine * u + sine * mean.cross(u)
-                }));
+                out.extend(around(a, b));
             }
+        }
+    }
+
+    /// Directions in which its cone of normals is bounded tightly.
+    pub fn normal_directions(&self, out: &mut Vec<DVec3>) {
+        let mean = self.mean_normal;
+        out.push(-mean);
+        match &self.shape {
+            Shape::Piece { .. } => {
+                let (a, b) = mean.any_orthonormal_pair();
+                out.extend(around(a, b));
+            }
+            Shape::Edge { along, first, across, width, .. } => {
+                let (sine, cosine) = width.sin_cos();
+                let ends = [-*across, cosine * *across - sine * *first];
+                out.extend([*along, -*along].into_iter().chain(ends));
+                out.extend(
+                    ends.iter().flat_map(|end| [1.0, -1.0].map(|side| (*end + side * *along) * SQRT_2 * 0.5)),
+                );
+            }
+            Shape::Vertex { cone, .. } => out.extend(cone.iter().map(|half| -half.axis)),
         }
     }
 
@@ -279,12 +338,11 @@ impl Site {
     }
 }
 
-/// Eight directions around, in the plane of two orthogonal unit vectors, the first along `mean`.
-fn around(mean: DVec3, first: DVec3, across: DVec3) -> impl Iterator<Item = DVec3> {
-    let start = in_plane(first, across, mean).to_angle();
-    (0..8).map(move |k| {
-        let at = DVec2::from_angle(start + f64::from(k) * TAU / 8.0);
-        at.x * first + at.y * across
+/// Eight directions around, in the plane of two orthogonal unit vectors, from the first on.
+pub(super) fn around(first: DVec3, second: DVec3) -> [DVec3; 8] {
+    std::array::from_fn(|k| {
+        let (sine, cosine) = (k as f64 * FRAC_PI_4).sin_cos();
+        cosine * first + sine * second
     })
 }
 
@@ -344,5 +402,58 @@ impl Reading {
         let sensed = self.sensed.map(|(axis, error)| Cap::around(turn(axis), error + slack));
         let facing = self.facing.map(|(axis, error)| Cap::around(turn(axis), FRAC_PI_2 + error + slack));
         sensed.into_iter().chain(facing).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes::{Cells, Random, hull, mesh};
+    use super::{Shape, Site, angle};
+    use crate::feature::Feature;
+    use glam::DVec3;
+
+    /// What covers a site's normals holds them, and nothing of them is beyond what bounds them.
+    #[test]
+    fn normals_are_covered_and_bounded() {
+        let mut random = Random(21);
+        let (mut fine, mut tried) = (Vec::new(), 0);
+        for k in 0..60 {
+            let shape = if k % 2 == 0 {
+                hull(&mut random, 8 + k)
+            } else {
+                Cells::random(&mut random, 3, 0.5).shape()
+            };
+            let model = mesh(&shape);
+            let edges = (0..model.edges.len() as u32).map(Feature::Edge);
+            let vertices = (0..model.vertices.len() as u32).map(Feature::Vertex);
+            for site in edges.chain(vertices).flat_map(|feature| Site::all(&model, feature, 1.0)) {
+                fine.clear();
+                site.cover(0.15, &mut fine);
+                assert!(fine.iter().all(|cap| cap.angle <= 0.15 + 1e-9));
+                let mut directions = Vec::new();
+                site.normal_directions(&mut directions);
+                for _ in 0..40 {
+                    let normal = match &site.shape {
+                        Shape::Piece { normal, .. } => *normal,
+                        Shape::Edge { first, across, width, .. } => {
+                            let (sine, cosine) = (random.next() * width).sin_cos();
+                            cosine * *first + sine * *across
+                        }
+                        Shape::Vertex { corners, .. } => {
+                            let mixed: DVec3 =
+                                corners.iter().map(|corner| random.next().powi(3) * *corner).sum();
+                            mixed.normalize()
+                        }
+                    };
+                    tried += 1;
+                    assert!(fine.iter().any(|cap| angle(cap.axis, normal) <= cap.angle + 1e-9));
+                    assert!(angle(site.mean_normal, normal) <= site.spread + 1e-9);
+                    for direction in &directions {
+                        assert!(angle(*direction, normal) >= site.normal_distance(*direction) - 1e-9);
+                    }
+                }
+            }
+        }
+        assert!(tried > 100_000);
     }
 }

@@ -10,8 +10,10 @@ use glam::{DMat3, DVec3};
 
 use super::case::PivotPose;
 use super::cell::{Cell, Conditions};
-use super::pose;
-use super::site::{Site, angle};
+use super::first_cells::first_cells;
+use super::linear::WIDTH;
+use super::lp::Row;
+use super::site::Site;
 use crate::nearest::Nearest;
 use crate::witness;
 
@@ -19,7 +21,7 @@ use crate::witness;
 pub(crate) type Witness = witness::Witness<PivotPose>;
 
 /// Cells examined for a witness at most. A set that is neither found nor refuted by then is kept as marginal.
-const MOST_EXAMINED: u32 = 20_000;
+pub(super) const MOST_EXAMINED: u32 = 20_000;
 
 /// With a marginal witness in hand, cells examined for a better one.
 const ENOUGH_MARGINAL: u32 = 32;
@@ -36,36 +38,39 @@ const RESOLUTION: f64 = 0.02;
 /// Cells of an enclosure at most.
 const MOST_CELLS: usize = 256;
 
-/// Rotations about one normal are divided into so many cells.
-const NUM_SPINS: u32 = 11;
-
-/// Two normals that leave rotations within this angle, radians, are good for a chart.
-const GOOD_BALL: f64 = 1.0;
-
 /// A witness, or the certificate that there is none.
 pub(crate) fn witness(conditions: &Conditions<'_>) -> Option<Witness> {
-    search(conditions, first_cells(conditions), MOST_EXAMINED)
+    search(conditions, first_cells(conditions), None, &mut { MOST_EXAMINED })
 }
 
 /// A witness within the cells, or the certificate that there is none. Sites that the cells have lost may come back.
-pub(crate) fn witness_within(conditions: &Conditions<'_>, cells: &[Cell]) -> Option<Witness> {
-    let cells = cells.iter().map(|cell| Cell { left: all_sites(conditions), ..cell.clone() });
-    search(conditions, cells.collect(), MOST_EXAMINED)
+/// `budget` is how many cells may be examined, and what is left of it afterwards.
+pub(crate) fn witness_within(
+    conditions: &Conditions<'_>,
+    cells: &[Cell],
+    budget: &mut u32,
+) -> Option<Witness> {
+    let first = cells.iter().map(|cell| Cell { left: all_sites(conditions), ..cell.clone() });
+    search(conditions, first.collect(), Some(cells), budget)
 }
 
 /// Whether there may be a pose, within the cells if they are given: only a certificate that is soon found says no.
 pub(crate) fn may_hold(conditions: &Conditions<'_>, cells: Option<&[Cell]>, most_examined: u32) -> bool {
-    let cells = match cells {
-        Some(cells) => {
-            cells.iter().map(|cell| Cell { left: all_sites(conditions), ..cell.clone() }).collect()
-        }
-        None => first_cells(conditions),
-    };
-    search(conditions, cells, most_examined).is_some()
+    let mut budget = most_examined;
+    match cells {
+        Some(cells) => witness_within(conditions, cells, &mut budget),
+        None => search(conditions, first_cells(conditions), None, &mut budget),
+    }
+    .is_some()
 }
 
-/// Best first: a certificate needs all cells in any order, a witness is found early.
-fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> Option<Witness> {
+/// Best first: a certificate needs all cells in any order, a witness is found early. A witness is in one of `bounds`.
+fn search(
+    conditions: &Conditions<'_>,
+    cells: Vec<Cell>,
+    bounds: Option<&[Cell]>,
+    budget: &mut u32,
+) -> Option<Witness> {
     let case = conditions.case;
     let reach = conditions.reach();
     let mut open = BinaryHeap::new();
@@ -80,84 +85,100 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> 
     for cell in cells {
         add(&mut open, cell);
     }
-    let mut fallback = None;
+    let mut tried = Tried { conditions, bounds, fallback: None };
     for num_examined in 0_u32.. {
         let Some(Nearest { value: mut cell, .. }) = open.pop() else { break };
         let (loose, turn_only) = looseness(conditions, &cell, reach);
         let fine = loose <= 0.25 * case.length_tolerance;
         let mut left = Witness { pose: cell.middle(), marginal: true, undecided: true };
+        let mut rows = None;
         if cell.is_narrow() {
-            match probe(conditions, &mut cell, if fine { 50 * NUM_CUTS } else { NUM_CUTS }, &mut fallback) {
+            match probe(&mut tried, &mut cell, if fine { 50 * NUM_CUTS } else { NUM_CUTS }) {
                 Probe::Found(witness) => return Some(witness),
                 Probe::Empty => continue,
-                Probe::Left(pose) => left.pose = pose,
+                Probe::Left(pose, left_rows) => {
+                    left.pose = pose;
+                    rows = Some(left_rows);
+                }
             }
         }
-        let enough = num_examined >= most_examined || case.stopped();
-        if fallback.is_none() && (fine || enough) {
+        let enough = *budget == 0 || case.stopped();
+        *budget = budget.saturating_sub(1);
+        if tried.fallback.is_none() && (fine || enough) {
             // Neither a witness nor a certificate: kept, so that nothing true is lost.
-            fallback = Some(left);
+            tried.fallback = Some(left);
         }
-        if enough || (fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
+        if enough || (tried.fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
             break;
         }
         if !fine {
-            if cell.is_narrow() {
-                let rows = cell.rows(conditions, false);
-                if !cell.contract(&rows) || !cell.restrict(conditions) {
-                    continue;
-                }
+            if rows.is_some_and(|rows| !cell.contract(&rows) || !cell.restrict(conditions)) {
+                continue;
             }
             cell.split(reach, turn_only).into_iter().for_each(|half| add(&mut open, half));
         }
     }
-    fallback
+    tried.fallback
 }
 
 /// What a few cuts at its candidates make of a cell.
 enum Probe {
     Found(Witness),
     Empty,
-    Left(PivotPose),
+    /// The last candidate, and the rows that are left.
+    Left(PivotPose, Vec<Row<WIDTH>>),
+}
+
+/// Poses are tried, and the best that is not quite valid is kept.
+struct Tried<'a> {
+    conditions: &'a Conditions<'a>,
+    bounds: Option<&'a [Cell]>,
+    fallback: Option<Witness>,
+}
+
+impl Tried<'_> {
+    /// The pose as a witness, if it is one without the tolerance.
+    fn valid(&mut self, pose: PivotPose) -> Option<Witness> {
+        let case = self.conditions.case;
+        let (length, turn) = (case.length_tolerance, case.angle_tolerance);
+        let within = |bounds: &[Cell]| bounds.iter().any(|cell| cell.holds(pose, length, turn));
+        if self.bounds.is_some_and(|bounds| !within(bounds)) {
+            return None;
+        }
+        if self.conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
+            return Some(Witness { pose, marginal: false, undecided: false });
+        }
+        let wanted = self.fallback.is_none_or(|known| known.undecided);
+        if wanted && self.conditions.satisfied(pose, length, turn) {
+            self.fallback = Some(Witness { pose, marginal: true, undecided: false });
+        }
+        None
+    }
 }
 
 /// The candidate of the cell's conditions, and that of the conditions about it, are tried; each is cut off if it is not
 /// valid, and the next is asked for.
-fn probe(
-    conditions: &Conditions<'_>,
-    cell: &mut Cell,
-    num_cuts: usize,
-    fallback: &mut Option<Witness>,
-) -> Probe {
-    let case = conditions.case;
-    let mut valid = |pose: PivotPose| {
-        if conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
-            return Some(Witness { pose, marginal: false, undecided: false });
-        }
-        let wanted = fallback.is_none_or(|known| known.undecided);
-        if wanted && conditions.satisfied(pose, case.length_tolerance, case.angle_tolerance) {
-            *fallback = Some(Witness { pose, marginal: true, undecided: false });
-        }
-        None
-    };
+fn probe(tried: &mut Tried<'_>, cell: &mut Cell, num_cuts: usize) -> Probe {
+    let conditions = tried.conditions;
     let mut last = cell.middle();
+    let mut rows = cell.rows(conditions, false);
     for _ in 0..num_cuts {
-        let Some(pose) = cell.candidate(&cell.rows(conditions, false)) else { return Probe::Empty };
+        let Some(pose) = cell.candidate(&rows) else { return Probe::Empty };
         last = pose;
-        if let Some(found) = valid(pose) {
+        if let Some(found) = tried.valid(pose) {
             return Probe::Found(found);
         }
-        cell.cut_at(conditions, pose);
+        cell.cut_at(conditions, pose, &mut rows);
         // Conditions of the first order about the candidate have none of the second order's looseness.
         let near = cell.around(pose, cell.coordinates(pose.rotation));
         if let Some(pose) = near.candidate(&near.rows(conditions, true)) {
-            if let Some(found) = valid(pose) {
+            if let Some(found) = tried.valid(pose) {
                 return Probe::Found(found);
             }
-            cell.cut_at(conditions, pose);
+            cell.cut_at(conditions, pose, &mut rows);
         }
     }
-    Probe::Left(last)
+    Probe::Left(last, rows)
 }
 
 /// How far what is valid may be from convex at one rotation: nothing where each contact is left one piece of a face.
@@ -188,7 +209,7 @@ fn looseness(conditions: &Conditions<'_>, cell: &Cell, reach: f64) -> (f64, bool
     }
 }
 
-fn all_sites(conditions: &Conditions<'_>) -> Vec<Vec<u32>> {
+pub(super) fn all_sites(conditions: &Conditions<'_>) -> Vec<Vec<u32>> {
     conditions.sites.iter().map(|(_, sites)| (0..sites.len() as u32).collect()).collect()
 }
 
@@ -273,127 +294,4 @@ pub(super) fn contracted(conditions: &Conditions<'_>, mut cell: Cell) -> Option<
         }
     }
     Some(cell)
-}
-
-/// What two contacts' normals leave of the rotations.
-#[derive(Clone, Copy)]
-struct Sensed {
-    /// World frame.
-    reading: DVec3,
-    /// Model frame.
-    normal: DVec3,
-    /// The sensed normal, turned, is this near to `normal`, radians.
-    error: f64,
-}
-
-/// Cells that hold every pose that satisfies the conditions, before these are looked at together.
-///
-/// Two sensed normals that are not parallel leave a ball of rotations (MATH row 47): with errors `a`, `b`, residuals `e`
-/// of the rotation that fits both best, and the acute angle θ between their lines,
-/// `sin(Φ/2) ≤ sin((a + e)/2) / sin(θ/2)`. One alone leaves the turns about it; none, all rotations.
-pub(super) fn first_cells(conditions: &Conditions<'_>) -> Vec<Cell> {
-    let sensed: Vec<Sensed> = conditions.sites.iter().filter_map(|one| of_contact(conditions, one)).collect();
-    let mut best: Option<(f64, DMat3)> = None;
-    for (k, a) in sensed.iter().enumerate() {
-        for b in &sensed[..k] {
-            if let Some((turn, radius)) = ball(a, b)
-                && best.is_none_or(|(least, _)| radius < least)
-            {
-                best = Some((radius, turn));
-            }
-        }
-    }
-    let prior = conditions.case.prior.map(|prior| {
-        let tilt = prior.lying.map_or(0.0, |lying| lying.tilt);
-        let radius = (prior.rotation + tilt + conditions.angle).min(PI);
-        (radius, prior.world_from_model.rotation.transpose())
-    });
-    let narrowest =
-        [best.filter(|(radius, _)| *radius <= GOOD_BALL), prior.filter(|(radius, _)| *radius < PI)];
-    let narrowest = narrowest.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((radius, turn)) = narrowest {
-        return vec![first_cell(conditions, turn, DVec3::splat(radius))];
-    }
-    let surest = sensed.iter().filter(|one| one.error < 1.0).min_by(|a, b| a.error.total_cmp(&b.error));
-    match surest {
-        Some(one) => spins(conditions, one),
-        None => vec![first_cell(conditions, DMat3::IDENTITY, DVec3::splat(PI))],
-    }
-}
-
-fn of_contact(conditions: &Conditions<'_>, (contact, sites): &(usize, Vec<Site>)) -> Option<Sensed> {
-    let (sensed, error) = conditions.case.data[*contact].reading.sensed?;
-    let normal = sites.iter().map(Site::mean_normal).sum::<DVec3>().try_normalize()?;
-    let spread = sites.iter().map(|site| angle(normal, site.mean_normal()) + site.spread());
-    let spread = spread.fold(0.0, f64::max);
-    Some(Sensed { reading: sensed, normal, error: error + spread + conditions.angle + 1e-9 })
-}
-
-/// The rotation that fits both best, and the radius around it that holds all that both allow.
-fn ball(a: &Sensed, b: &Sensed) -> Option<(DMat3, f64)> {
-    let frame = |first: DVec3, second: DVec3| {
-        let middle = (first + second).try_normalize()?;
-        let across = first.cross(second).try_normalize()?;
-        Some(DMat3::from_cols(middle, across, middle.cross(across)))
-    };
-    let turn = frame(a.normal, b.normal)? * frame(a.reading, b.reading)?.transpose();
-    // Nearly parallel normals span a frame that is orthogonal only roughly; what is used is a rotation.
-    let turn = pose::proper(turn);
-    let residual = |one: &Sensed| angle(turn * one.reading, one.normal);
-    let worst = (a.error + residual(a)).max(b.error + residual(b));
-    let apart = angle(a.reading, b.reading);
-    let acute = apart.min(PI - apart);
-    let sine = (0.5 * worst).sin() / (0.5 * acute).sin();
-    (worst < PI && sine < 1.0).then(|| (turn, 2.0 * sine.asin() + 1e-9))
-}
-
-/// Turns about a normal that is known, in cells: each is a tilt `t` by at most the error, after a turn `s` about the
-/// normal within the half width. Of the product, the rotation vector is at most `(θ/2)/sin(θ/2)` times `2 sin(t/2)`
-/// across, and `2 sin(s/2)` along the normal, where θ is its length, at most `s + t`.
-fn spins(conditions: &Conditions<'_>, one: &Sensed) -> Vec<Cell> {
-    let half = PI / f64::from(NUM_SPINS);
-    let longest = 0.5 * (half + one.error);
-    let stretch = longest / longest.sin();
-    let across = stretch * 2.0 * (0.5 * one.error).sin() + 1e-9;
-    let along = stretch * 2.0 * (0.5 * half).sin() + 1e-9;
-    // The chart is turned so that its first axis is the normal.
-    let align = DMat3::from_quat(glam::DQuat::from_rotation_arc(one.reading, one.normal));
-    let size = one.normal.abs() * along + (DVec3::ONE - one.normal * one.normal).map(f64::sqrt) * across;
-    (0..NUM_SPINS)
-        .map(|k| {
-            let turn = pose::rotation(one.normal * (f64::from(2 * k) * half)) * align;
-            first_cell(conditions, turn, size)
-        })
-        .collect()
-}
-
-/// The cell of such rotations, with all model points that may be at the pivot.
-fn first_cell(conditions: &Conditions<'_>, base: DMat3, v_half: DVec3) -> Cell {
-    let case = conditions.case;
-    let radius = v_half.length().min(PI);
-    let around = conditions.sites.iter().map(|(contact, sites)| {
-        let datum = &case.data[*contact];
-        let lever = base * datum.lever;
-        let (low, high) = sites.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), site| {
-            (low.min(site.middle - site.reach), high.max(site.middle + site.reach))
-        });
-        let near = datum.bound
-            + conditions.slack
-            + 2.0 * (0.5 * radius).sin() * datum.lever.length()
-            + case.outward();
-        (low - lever - near, high - lever + near)
-    });
-    let (low, high) =
-        around.fold((DVec3::NEG_INFINITY, DVec3::INFINITY), |(low, high), (l, h)| (low.max(l), high.min(h)));
-    // No overlap: a cell of no size, which its own conditions refute.
-    let high = high.max(low);
-    Cell {
-        base,
-        v: DVec3::ZERO,
-        v_half,
-        y: 0.5 * (low + high),
-        y_half: 0.5 * (high - low) + case.outward(),
-        left: all_sites(conditions),
-        cuts: Vec::new(),
-    }
 }

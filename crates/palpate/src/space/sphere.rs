@@ -41,7 +41,7 @@ impl Cap {
     }
 
     fn nearly_holds(self, direction: DVec3, slack: f64) -> bool {
-        direction.distance(self.axis) <= self.chord + slack
+        direction.distance_squared(self.axis) <= (self.chord + slack).powi(2)
     }
 
     /// Its direction nearest to `direction`.
@@ -50,7 +50,10 @@ impl Cap {
             return direction;
         }
         let across = direction - self.axis * direction.dot(self.axis);
-        let across = across.try_normalize().unwrap_or_else(|| self.axis.any_orthonormal_vector());
+        // Of a direction opposite to the axis only rounding is left, and any way to the rim is as short.
+        let some =
+            if across.length() > 1e-12 { across.normalize() } else { self.axis.any_orthonormal_vector() };
+        let across = (some - self.axis * some.dot(self.axis)).normalize();
         let (sine, cosine) = self.angle.sin_cos();
         cosine * self.axis + sine * across
     }
@@ -99,26 +102,35 @@ pub(crate) fn nearest(direction: DVec3, caps: &[Cap]) -> Option<DVec3> {
     if inside(direction, ROUNDING) {
         return Some(direction);
     }
+    let slacks: Vec<f64> = caps.iter().map(|cap| cap.slack(caps)).collect();
     let mut best: Option<DVec3> = None;
-    let mut offer = |candidate: DVec3, slack: f64| {
-        if best.is_none_or(|known| direction.distance(candidate) < direction.distance(known))
-            && inside(candidate, slack)
-        {
-            best = Some(candidate);
+    for (cap, slack) in caps.iter().zip(&slacks) {
+        let candidate = cap.nearest(direction);
+        if inside(candidate, ROUNDING) {
+            // All that is in every cap is in this one, whose nearest it is.
+            return Some(candidate);
         }
-    };
+        offer(&mut best, direction, candidate, |candidate| inside(candidate, *slack));
+    }
     for (k, cap) in caps.iter().enumerate() {
-        offer(cap.nearest(direction), cap.slack(caps));
-        for other in &caps[..k] {
+        for (other, slack_of_other) in caps[..k].iter().zip(&slacks) {
             if let Some((crossings, slack)) = cap.crossings(*other) {
-                let slack = slack.max(cap.slack(caps)).max(other.slack(caps));
+                let slack = slack.max(slacks[k]).max(*slack_of_other);
                 for crossing in crossings {
-                    offer(crossing, slack);
+                    offer(&mut best, direction, crossing, |candidate| inside(candidate, slack));
                 }
             }
         }
     }
     best
+}
+
+/// Takes a candidate that is nearer than the best and allowed.
+fn offer(best: &mut Option<DVec3>, direction: DVec3, candidate: DVec3, allowed: impl Fn(DVec3) -> bool) {
+    let square = direction.distance_squared(candidate);
+    if best.is_none_or(|known| square < direction.distance_squared(known)) && allowed(candidate) {
+        *best = Some(candidate);
+    }
 }
 
 /// No direction in all of `caps` has more of `direction`; `-∞` if there is none.
@@ -178,6 +190,25 @@ mod tests {
             }
         }
         assert!(found > 100);
+    }
+
+    /// A direction opposite to the axis of a half is a right angle from the region, though nothing but rounding says where.
+    #[test]
+    fn opposite_directions_have_a_nearest() {
+        let mut rng = fastrand::Rng::with_seed(5);
+        for _ in 0..20_000 {
+            let corners = [(); 3].map(|()| draw(&mut rng));
+            if corners[0].cross(corners[1]).dot(corners[2]) < 1e-2 {
+                continue;
+            }
+            let halves: Vec<Cap> =
+                (0..3).map(|k| Cap::half(corners[k].cross(corners[(k + 1) % 3]).normalize())).collect();
+            for half in &halves {
+                let answer = nearest(-half.axis, &halves).expect("the corners");
+                assert!((angle(answer, -half.axis) - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
+                assert!(halves.iter().all(|half| half.axis.dot(answer) > -1e-9));
+            }
+        }
     }
 
     /// Caps of all sizes down to none, with axes that nearly coincide, around a direction that is in all of them, often on

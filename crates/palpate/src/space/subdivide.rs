@@ -8,6 +8,8 @@ use rayon::prelude::*;
 
 use super::case::Case;
 use super::cell::{Cell, Conditions};
+use super::first_cells::first_cells;
+use super::hypotheses::{canonical, sensed};
 use super::pose_set::Piece;
 use super::solve;
 use super::tables::FeatureTables;
@@ -18,9 +20,13 @@ use crate::tree::FeaturePairs;
 /// A cell is small when nothing in it moves by more than this share of the least bound.
 const SMALL: f64 = 0.5;
 
-/// Cells examined at most for one choice of features of two contacts, and for a whole without such a choice.
-const MOST_CELLS: u64 = 2_000;
-const MOST_WITHOUT_NORMALS: u64 = 100_000;
+/// Cells examined for one model, and first for each choice of features of two contacts.
+const MOST_CELLS: u64 = 50_000;
+const LEAST_CELLS: u64 = 50;
+
+/// Cells examined for a witness in a cell whose features hang together, before it is divided, and in a small cell.
+const MOST_FOR_WITNESS: u32 = 16;
+const MOST_IN_SMALL: u32 = 1_000;
 
 /// What the division left.
 #[derive(Debug, Default)]
@@ -75,33 +81,38 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
     let touching = Touching::new(case);
     let parts: Vec<Subdivision> = match best_pair(case) {
         Some((a, b)) => {
-            let contacts = tables.contact_pairs(
-                &[a, b].map(|contact| super::hypotheses::sensed(case, &case.data[contact])),
-                [a, b].map(|contact| candidates[contact].clone()).to_vec(),
-            );
-            let sensed = contacts.pairs[1][0];
-            let choices: Vec<(usize, usize)> = candidates[a]
+            let others = (0..case.data.len()).filter(|contact| *contact != a && *contact != b);
+            let order: Vec<usize> = [a, b].into_iter().chain(others).collect();
+            let readings: Vec<_> = order.iter().map(|&contact| sensed(case, &case.data[contact])).collect();
+            let in_order = order.iter().map(|&contact| candidates[contact].clone()).collect();
+            let contacts = tables.contact_pairs(&readings, in_order);
+            let agree = |later: usize, earlier: usize, second: usize, first: usize| {
+                contacts.pairs[later][earlier].meets(&tables.pair(first, second))
+            };
+            let choices: Vec<(usize, usize)> = contacts.candidates[0]
                 .iter()
-                .flat_map(|&first| candidates[b].iter().map(move |&second| (first, second)))
+                .flat_map(|&first| contacts.candidates[1].iter().map(move |&second| (first, second)))
                 .filter(|&(first, second)| {
-                    let known = tables.pair(first, second);
-                    sensed.distance.meets(known.distance)
-                        && sensed.angle.meets(known.angle)
-                        && sensed.direction.meets(known.direction)
-                        && sensed.direction_back.meets(known.direction_back)
+                    let chosen = [first, second].map(|number| tables.feature(number));
+                    agree(1, 0, second, first) && canonical(case, &chosen)
                 })
                 .collect();
-            choices
-                .into_par_iter()
-                .map(|(first, second)| {
-                    let mut features = features.clone();
-                    features[a] = vec![tables.feature(first)];
-                    features[b] = vec![tables.feature(second)];
-                    divide(case, &touching, &features, MOST_CELLS)
-                })
-                .collect()
+            let chosen = |(first, second): (usize, usize)| {
+                let mut features = vec![Vec::new(); order.len()];
+                features[a] = vec![tables.feature(first)];
+                features[b] = vec![tables.feature(second)];
+                for (later, &contact) in order.iter().enumerate().skip(2) {
+                    let left = contacts.candidates[later]
+                        .iter()
+                        .filter(|&&one| agree(later, 0, one, first) && agree(later, 1, one, second));
+                    features[contact] = left.map(|&one| tables.feature(one)).collect();
+                }
+                features.iter().all(|features| !features.is_empty()).then_some(features)
+            };
+            let choices: Vec<Vec<Vec<Feature>>> = choices.into_par_iter().filter_map(chosen).collect();
+            divide_all(case, &touching, &choices)
         }
-        None => vec![divide(case, &touching, &features, MOST_WITHOUT_NORMALS)],
+        None => vec![divide(case, &touching, &features, MOST_CELLS)],
     };
     let mut all = Subdivision { complete: true, ..Subdivision::default() };
     for part in parts {
@@ -110,6 +121,23 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
         all.complete &= part.complete;
     }
     all
+}
+
+/// Divides each of the choices, first within few cells; those that need more share what is left.
+fn divide_all(case: &Case, touching: &Touching, choices: &[Vec<Vec<Feature>>]) -> Vec<Subdivision> {
+    let within = |most: u64, choice: &Vec<Vec<Feature>>| divide(case, touching, choice, most);
+    let mut parts: Vec<Subdivision> = choices.par_iter().map(|choice| within(LEAST_CELLS, choice)).collect();
+    let spent: u64 = parts.iter().map(|part| part.examined).sum();
+    let unfinished = parts.iter().filter(|part| !part.complete).count() as u64;
+    let most = MOST_CELLS.saturating_sub(spent) / unfinished.max(1);
+    if most > LEAST_CELLS {
+        parts.par_iter_mut().zip(choices).filter(|(part, _)| !part.complete).for_each(|(part, choice)| {
+            let before = part.examined;
+            *part = within(most, choice);
+            part.examined += before;
+        });
+    }
+    parts
 }
 
 /// The two contacts whose normals leave the least of the rotations.
@@ -135,21 +163,32 @@ fn divide(case: &Case, touching: &Touching, features: &[Vec<Feature>], most: u64
     let reach = conditions.reach();
     let least = case.data.iter().map(|datum| datum.bound).fold(f64::INFINITY, f64::min);
     let small = (SMALL * least).max(0.5 * case.length_tolerance);
-    let mut open = solve::first_cells(&conditions);
+    let mut open = first_cells(&conditions);
     while let Some(cell) = open.pop() {
+        if left.examined >= most || case.stopped() {
+            left.complete = false;
+            break;
+        }
         left.examined += 1;
-        let enough = left.examined > most || case.stopped();
         let Some(cell) = solve::contracted(&conditions, cell) else { continue };
-        let features = of_cell(&conditions, &cell);
-        let hang_together = features.iter().all(|features| touching.hang_together(features));
-        if enough || (hang_together && cell.is_narrow()) || cell.motion(reach) <= small {
-            let mut piece = Piece::new(case, features, None, vec![cell.clone()]);
-            piece.witness = solve::witness_within(&piece.conditions(case), &piece.bounds);
-            left.complete &= !enough;
-            if piece.witness.is_some() {
-                left.pieces.push(piece);
+        let small = cell.motion(reach) <= small;
+        if small || cell.is_narrow() {
+            let features = of_cell(&conditions, &cell);
+            if small || features.iter().all(|features| touching.hang_together(features)) {
+                let mut piece = Piece::new(case, features, None, vec![cell.clone()]);
+                let given = if small { MOST_IN_SMALL } else { MOST_FOR_WITNESS };
+                let mut budget = given;
+                piece.witness = solve::witness_within(&piece.conditions(case), &piece.bounds, &mut budget);
+                left.examined += u64::from(given - budget);
+                match piece.witness {
+                    None => continue,
+                    Some(witness) if small || !witness.undecided => {
+                        left.pieces.push(piece);
+                        continue;
+                    }
+                    Some(_) => {}
+                }
             }
-            continue;
         }
         open.extend(cell.split(reach, false));
     }

@@ -1,0 +1,223 @@
+//! Cells that hold every pose that satisfies the conditions, before these are looked at together (theory, T18).
+//!
+//! Two sensed normals that are not parallel leave a ball of rotations (MATH row 47): with errors `a`, `b`, residuals `e`
+//! of the rotation that fits both best, and the acute angle θ between their lines,
+//! `sin(Φ/2) ≤ sin((max(a, b) + e)/2) / sin(θ/2)`. One alone leaves the turns about it; none, all rotations. Where what a
+//! contact may lie on has many normals, as edges and vertices have, caps cover them, and each pair of caps leaves a ball.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3};
+
+use super::cell::{Cell, Conditions};
+use super::pose;
+use super::site::{Site, angle};
+use super::solve::all_sites;
+use super::sphere::Cap;
+
+/// Rotations about one normal are divided into so many cells.
+const NUM_SPINS: u32 = 11;
+
+/// Two normals that leave rotations within this angle, radians, are good for a chart.
+const GOOD_BALL: f64 = 1.0;
+
+/// Caps that cover normals are no wider, radians.
+const FINE_CAP: f64 = 0.15;
+
+/// A sensed normal, and caps that hold all normals of the sites that it may be of.
+struct Sensed<'a> {
+    /// World frame.
+    reading: DVec3,
+    /// The sensed normal, turned, is this near to one of them, radians.
+    error: f64,
+    /// One around all of them, model frame.
+    whole: Cap,
+    sites: &'a [Site],
+}
+
+/// The cells; not disjoint.
+pub(super) fn first_cells(conditions: &Conditions<'_>) -> Vec<Cell> {
+    let sensed: Vec<Sensed<'_>> =
+        conditions.sites.iter().filter_map(|one| of_contact(conditions, one)).collect();
+    let prior = conditions.case.prior.map(|prior| {
+        let tilt = prior.lying.map_or(0.0, |lying| lying.tilt);
+        let radius = (prior.rotation + tilt + conditions.angle).min(PI);
+        (prior.world_from_model.rotation.transpose(), radius)
+    });
+    let prior = prior.filter(|(_, radius)| *radius < PI);
+    let balls = best_pair(&sensed).map(|[a, b]| balls(a, b));
+    let cell = |(turn, radius): (DMat3, f64)| first_cell(conditions, turn, DVec3::splat(radius));
+    if let Some(balls) = balls.filter(|balls| balls.iter().all(|(_, radius)| *radius <= GOOD_BALL)) {
+        let widest = balls.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
+        return match prior {
+            Some(prior) if prior.1 <= widest => vec![cell(prior)],
+            Some((middle, most)) => {
+                let near = |(turn, radius): &(DMat3, f64)| {
+                    pose::angle(*turn * middle.transpose()) <= most + radius + 1e-9
+                };
+                balls.into_iter().filter(near).map(cell).collect()
+            }
+            None => balls.into_iter().map(cell).collect(),
+        };
+    }
+    if let Some(prior) = prior {
+        return vec![cell(prior)];
+    }
+    let surest = sensed.iter().min_by(|a, b| a.width().total_cmp(&b.width()));
+    match surest.filter(|one| one.width() < 1.0) {
+        Some(one) => {
+            let turns = |cap| spins(conditions, one.reading, cap, one.error);
+            one.caps().into_iter().flat_map(turns).collect()
+        }
+        None => vec![first_cell(conditions, DMat3::IDENTITY, DVec3::splat(PI))],
+    }
+}
+
+fn of_contact<'a>(
+    conditions: &Conditions<'_>,
+    (contact, sites): &'a (usize, Vec<Site>),
+) -> Option<Sensed<'a>> {
+    let (reading, error) = conditions.case.data[*contact].reading.sensed?;
+    let mean = sites.iter().map(|site| site.mean_normal).sum::<DVec3>().try_normalize();
+    let mean = mean.unwrap_or_else(|| sites[0].mean_normal);
+    let spread = sites.iter().map(|site| angle(mean, site.mean_normal) + site.spread);
+    let whole = Cap::around(mean, spread.fold(0.0, f64::max));
+    Some(Sensed { reading, error: error + conditions.angle + 1e-9, whole, sites })
+}
+
+impl Sensed<'_> {
+    /// How far the sensed normal may be from the middle of its cap, radians.
+    fn width(&self) -> f64 {
+        self.error + self.whole.angle.min(FINE_CAP)
+    }
+
+    /// Few caps that hold all normals of the sites.
+    fn caps(&self) -> Vec<Cap> {
+        if self.whole.angle <= FINE_CAP {
+            return vec![self.whole];
+        }
+        let mut caps: Vec<Cap> = Vec::new();
+        let mut fine = Vec::new();
+        for site in self.sites {
+            fine.clear();
+            site.cover(FINE_CAP, &mut fine);
+            for cap in &fine {
+                // Normals of many small facets share caps.
+                let near = |kept: &&mut Cap| angle(kept.axis, cap.axis) + cap.angle <= FINE_CAP;
+                match caps.iter_mut().find(near) {
+                    Some(kept) => {
+                        let angle = kept.angle.max(angle(kept.axis, cap.axis) + cap.angle);
+                        *kept = Cap::around(kept.axis, angle);
+                    }
+                    None => caps.push(*cap),
+                }
+            }
+        }
+        caps
+    }
+}
+
+/// The two contacts whose normals leave the fewest and smallest balls, by a rough count.
+fn best_pair<'a, 'b>(sensed: &'b [Sensed<'a>]) -> Option<[&'b Sensed<'a>; 2]> {
+    let mut best: Option<(f64, [&Sensed<'_>; 2])> = None;
+    for (k, a) in sensed.iter().enumerate() {
+        for b in &sensed[..k] {
+            let apart = angle(a.reading, b.reading);
+            let sine = (0.5 * a.width().max(b.width())).sin() / (0.5 * apart.min(PI - apart)).sin();
+            let count = |one: &Sensed<'_>| 1.0 + one.whole.angle / FINE_CAP;
+            let cost = count(a) * count(b) * sine.max(0.5 * FINE_CAP).powi(3);
+            if sine < 1.0 && best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, [b, a]));
+            }
+        }
+    }
+    best.map(|(_, pair)| pair)
+}
+
+/// For each pair of caps that can be of two sensed normals: the rotation that fits both best, and the radius around it
+/// that holds all that both allow.
+fn balls(a: &Sensed<'_>, b: &Sensed<'_>) -> Vec<(DMat3, f64)> {
+    let apart = angle(a.reading, b.reading);
+    let caps = b.caps();
+    let mut balls = Vec::new();
+    for first in a.caps() {
+        for second in &caps {
+            let errors = [a.error + first.angle, b.error + second.angle];
+            if (angle(first.axis, second.axis) - apart).abs() <= errors[0] + errors[1] {
+                balls.push(ball([a.reading, b.reading], [first.axis, second.axis], errors));
+            }
+        }
+    }
+    balls
+}
+
+/// The radius is above half a turn where nothing is known.
+fn ball(readings: [DVec3; 2], normals: [DVec3; 2], errors: [f64; 2]) -> (DMat3, f64) {
+    let frame = |[first, second]: [DVec3; 2]| {
+        let middle = (first + second).try_normalize()?;
+        let across = first.cross(second).try_normalize()?;
+        Some(DMat3::from_cols(middle, across, middle.cross(across)))
+    };
+    let (Some(model), Some(world)) = (frame(normals), frame(readings)) else {
+        return (DMat3::IDENTITY, f64::INFINITY);
+    };
+    // Nearly parallel normals span a frame that is orthogonal only roughly; what is used is a rotation.
+    let turn = pose::proper(model * world.transpose());
+    let worst = (0..2).map(|k| errors[k] + angle(turn * readings[k], normals[k])).fold(0.0, f64::max);
+    let apart = angle(readings[0], readings[1]);
+    let sine = (0.5 * worst).sin() / (0.5 * apart.min(PI - apart)).sin();
+    let radius = if worst < PI && sine < 1.0 { 2.0 * sine.asin() + 1e-9 } else { f64::INFINITY };
+    (turn, radius)
+}
+
+/// Turns about a normal that is known, in cells: each is a tilt `t` by at most the error, after a turn `s` about the
+/// normal within the half width. Of the product, the rotation vector is at most `(θ/2)/sin(θ/2)` times `2 sin(t/2)`
+/// across, and `2 sin(s/2)` along the normal, where θ is its length, at most `s + t`.
+fn spins(conditions: &Conditions<'_>, reading: DVec3, cap: Cap, error: f64) -> Vec<Cell> {
+    let (normal, error) = (cap.axis, error + cap.angle);
+    let half = PI / f64::from(NUM_SPINS);
+    let longest = 0.5 * (half + error);
+    let stretch = longest / longest.sin();
+    let across = stretch * 2.0 * (0.5 * error).sin() + 1e-9;
+    let along = stretch * 2.0 * (0.5 * half).sin() + 1e-9;
+    // The chart is turned so that its first axis is the normal.
+    let align = DMat3::from_quat(glam::DQuat::from_rotation_arc(reading, normal));
+    let size = normal.abs() * along + (DVec3::ONE - normal * normal).map(f64::sqrt) * across;
+    (0..NUM_SPINS)
+        .map(|k| {
+            let turn = pose::rotation(normal * (f64::from(2 * k) * half)) * align;
+            first_cell(conditions, turn, size)
+        })
+        .collect()
+}
+
+/// The cell of such rotations, with all model points that may be at the pivot.
+fn first_cell(conditions: &Conditions<'_>, base: DMat3, v_half: DVec3) -> Cell {
+    let case = conditions.case;
+    let radius = v_half.length().min(PI);
+    let around = conditions.sites.iter().map(|(contact, sites)| {
+        let datum = &case.data[*contact];
+        let lever = base * datum.lever;
+        let (low, high) = sites.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), site| {
+            (low.min(site.middle - site.reach), high.max(site.middle + site.reach))
+        });
+        let near = datum.bound
+            + conditions.slack
+            + 2.0 * (0.5 * radius).sin() * datum.lever.length()
+            + case.outward();
+        (low - lever - near, high - lever + near)
+    });
+    let (low, high) =
+        around.fold((DVec3::NEG_INFINITY, DVec3::INFINITY), |(low, high), (l, h)| (low.max(l), high.min(h)));
+    // No overlap: a cell of no size, which its own conditions refute.
+    let high = high.max(low);
+    Cell {
+        base,
+        v: DVec3::ZERO,
+        v_half,
+        y: 0.5 * (low + high),
+        y_half: 0.5 * (high - low) + case.outward(),
+        left: all_sites(conditions),
+        cuts: Vec::new(),
+    }
+}
