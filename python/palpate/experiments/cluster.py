@@ -105,7 +105,7 @@ def _local(cluster: str, count: str, stack: ExitStack) -> Any:
             n_workers=int(count) if count else os.cpu_count(),
             threads_per_worker=1,
             processes=True,
-            dashboard_address=None,
+            dashboard_address=":0",  # any free port: other clusters may have the usual one
             silence_logs=logging.CRITICAL,
             env={"RAYON_NUM_THREADS": "1"},
         )
