@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane campaign-plan promises planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane parts campaign-space bench-peers campaign-plan promises planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -69,6 +69,17 @@ accuracy: .venv/.built ## measure bounds against dense sampling; writes docs/acc
 
 campaign-plane: .venv/.built .venv/.cluster ## 100,000 random planar problems: is anything true lost? resumes where it was stopped
 	$(BIN)/python -m palpate.experiments.campaign_plane $(ARGS)
+
+PARTS := target/parts
+
+parts: .venv/.built .venv/.parts ## parts out of public packages, 120 of each, in target/parts; a source that is missing is skipped
+	-$(BIN)/python -m palpate.experiments.public_parts --folder $(PARTS)
+
+campaign-space: parts .venv/.cluster ## 10,000 random problems of space, on real parts too: is anything true lost? resumes
+	$(BIN)/python -m palpate.experiments.campaign_space --parts $(PARTS) $(ARGS)
+
+bench-peers: parts .venv/.peers ## other ways to find a part by the same contacts; writes docs/tables/peers.md
+	$(BIN)/python -m palpate.experiments.peers --parts $(PARTS) --page docs/tables/peers.md $(ARGS)
 
 campaign-plan: | .venv/.cargo ## 1,000 planning problems, 200,000 random lines each: is any better than complete? resumes
 	cargo run --quiet --release --example campaign_plan -- $(or $(ARGS),1000 200000)
@@ -129,7 +140,7 @@ clean: ## remove what was built, .venv included
 	@touch $@
 
 # palpate itself is installed by now, so that these add only what its extras name.
-.venv/.test .venv/.dev .venv/.docs .venv/.cluster: .venv/.%: pyproject.toml | .venv/.built
+.venv/.test .venv/.dev .venv/.docs .venv/.cluster .venv/.parts .venv/.peers: .venv/.%: pyproject.toml | .venv/.built
 	@echo "installing what $* needs"
 	@$(PIP) 'palpate[$*]'
 	@touch $@

@@ -1,0 +1,289 @@
+"""Whether poses of a solid satisfy the evidence, by the definition of validity: no part of the core.
+
+A pose is valid if for every contact there are a point `x` of the placed surface and an outward normal `n`
+there with `|center − (x + r n)| <= position_error`, an angle of at most `normal_error` between `n` and the
+sensed normal, and `−approach · n >= 0`; if no sweep is nearer to the placed part than its clearance; and if
+the prior allows it. A triangle has one normal, a convex edge those between its faces, a convex vertex those
+between its edges.
+
+Contacts, misses and priors are anything with the attributes of `palpate.Contact`, `palpate.Miss` and
+`palpate.Prior`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .solid_sweeps import least_distances, to_triangles
+from .solids import Array, Cone, Mask, Solid
+
+#: Rounding, as a share of the lengths that occur.
+ROUNDING = 1e-11
+#: Points of a circle or sphere of normals that are this near to an allowed one, as a cosine or sine, are
+#: allowed.
+ON_BOUND = 1e-12
+#: Distances that are held in memory at once.
+MOST_AT_ONCE = 400_000
+
+ALL_KINDS = ("face", "edge", "vertex")
+
+
+@dataclass(frozen=True)
+class Slack:
+    """What is allowed beyond the bounds: a length, and an angle in radians. Negative: less is allowed."""
+
+    length: float = 0.0
+    angle: float = 0.0
+
+
+NONE = Slack()
+
+
+def tolerance(solid: Solid, contacts: Sequence[Any], relative: float) -> Slack:
+    """τ: a share of the part's size as a length, the share itself as an angle; and rounding."""
+    farthest = max((float(np.abs(one.center).max()) for one in contacts), default=0.0)
+    reach = solid.size + farthest + float(np.abs(solid.vertices).max())
+    share = ROUNDING * reach
+    return Slack(relative * solid.size + share, relative * (1.0 + 1e-6) + share / solid.size)
+
+
+def valid(  # noqa: PLR0917 - what is placed, where, what was observed, and how strictly
+    solid: Solid,
+    poses: Array,
+    contacts: Sequence[Any],
+    slack: Slack = NONE,
+    *,
+    misses: Sequence[Any] = (),
+    prior: Any = None,
+    kinds: Sequence[str] = ("face",),
+) -> Mask:
+    """Whether poses `(p, 4, 4)` satisfy all of the evidence; shape `(p,)`."""
+    held = expected(poses, prior, slack)
+    for contact in contacts:
+        if not held.any():
+            break
+        held[held] = explained(solid, poses[held], contact, slack, kinds=kinds)
+    if held.any():
+        held[held] = clear(solid, poses[held], contacts, slack, misses=misses)
+    return held
+
+
+def explained(  # noqa: PLR0917 - as above
+    solid: Solid, poses: Array, contact: Any, slack: Slack = NONE, *, kinds: Sequence[str] = ("face",)
+) -> Mask:
+    """Whether poses let a contact lie on some feature of the kinds; shape `(p,)`."""
+    most = contact.position_error + slack.length
+    return np.asarray(gaps(solid, poses, contact, slack, kinds=kinds, most=most) <= most)
+
+
+def gaps(  # noqa: PLR0917 - as above
+    solid: Solid,
+    poses: Array,
+    contact: Any,
+    slack: Slack = NONE,
+    *,
+    kinds: Sequence[str] = ("face",),
+    most: float = math.inf,
+) -> Array:
+    """How far the sensed centre is from where the tip's centre may be with an allowed normal; shape `(p,)`.
+
+    Infinite if no feature has an allowed normal. What is more than `most` may be told as any more than that.
+    """
+    turns, offsets = poses[:, :3, :3], np.asarray(contact.center) - poses[:, :3, 3]
+    center = np.einsum("pji,pj->pi", turns, offsets)  # in the model's frame
+    bounds = []  # (direction in the model's frame, least cosine)
+    if contact.normal is not None:
+        least = math.cos(min(math.pi, max(0.0, contact.normal_error + slack.angle)))
+        bounds.append((np.einsum("pji,j->pi", turns, np.asarray(contact.normal)), least))
+    if getattr(contact, "approach", None) is not None:
+        away = np.einsum("pji,j->pi", turns, -np.asarray(contact.approach))
+        bounds.append((away, -math.sin(slack.angle)))
+    radius = float(contact.tip_radius)
+    best = np.full(len(poses), np.inf)
+    if "face" in kinds:
+        best = np.minimum(best, _face_gaps(solid, center, bounds, radius=radius))
+    if "edge" in kinds:
+        best = np.minimum(best, _edge_gaps(solid, center, bounds, radius=radius))
+    if "vertex" in kinds:
+        for cone in solid.cones:
+            far = np.linalg.norm(center - cone.point, axis=1)
+            near = np.abs(far - radius) <= most  # whichever normals are allowed
+            if near.any():
+                part = [(direction[near], least) for direction, least in bounds]
+                gap = _vertex_gaps(cone, center[near], part, radius=radius)
+                best[near] = np.minimum(best[near], gap)
+    return best
+
+
+Bounds = Sequence[tuple[Array, float]]
+
+
+def _face_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float) -> Array:
+    """Of centres `(p, 3)`, model frame, to the triangles moved out by the radius."""
+    agree = np.ones((len(center), len(solid.normals)), dtype=bool)
+    for direction, least in bounds:
+        agree &= direction @ solid.normals.T >= least - ON_BOUND
+    best = np.full(len(center), np.inf)
+    step = max(1, MOST_AT_ONCE // max(1, len(center)))
+    placed = solid.corners + radius * solid.normals[:, None]
+    candidates = np.flatnonzero(agree.any(axis=0) & (solid.areas > 0.0))
+    for first in range(0, len(candidates), step):
+        some = candidates[first : first + step]
+        poses, triangles = np.nonzero(agree[:, some])
+        distances = to_triangles(center[poses], placed[some[triangles]])
+        np.minimum.at(best, poses, distances)
+    return best
+
+
+def _edge_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float) -> Array:
+    """To the parts of cylinders about the convex edges whose normals are allowed.
+
+    All normals of an edge are square to it, so where the tip is along it and around it are apart. Around it,
+    the nearest allowed normal is straight from the edge or an end of one of the ranges that bound it.
+    """
+    edges = solid.edges
+    if not len(edges.starts):
+        return np.full(len(center), np.inf)
+    best = np.full(len(center), np.inf)
+    step = max(1, MOST_AT_ONCE // len(edges.starts))
+    for first in range(0, len(center), step):
+        some = slice(first, first + step)
+        part = [(direction[some], least) for direction, least in bounds]
+        best[some] = _around_edges(solid, center[some], part, radius=radius)
+    return best
+
+
+def _around_edges(solid: Solid, center: Array, bounds: Bounds, *, radius: float) -> Array:
+    edges = solid.edges
+    along = edges.ends - edges.starts
+    lengths = np.linalg.norm(along, axis=1)
+    along = along / lengths[:, None]
+    across = np.cross(along, edges.first_normals)  # with the first normal, a frame square to the edge
+    width = np.arctan2(
+        np.einsum("ei,ei->e", edges.second_normals, across),
+        np.einsum("ei,ei->e", edges.second_normals, edges.first_normals),
+    )
+    offset = center[:, None] - edges.starts
+    at = np.einsum("pei,ei->pe", offset, along)
+    beyond = np.maximum(np.maximum(-at, at - lengths), 0.0)
+    x = np.einsum("pei,ei->pe", offset, edges.first_normals)
+    y = np.einsum("pei,ei->pe", offset, across)
+    # Each range of angles as cos(angle − middle) >= least.
+    ranges = [(0.5 * width, np.cos(0.5 * width))]
+    tried = [np.arctan2(y, x), np.zeros_like(x), np.broadcast_to(width, x.shape)]
+    for direction, least in bounds:
+        u, v = direction @ edges.first_normals.T, direction @ across.T
+        size = np.maximum(np.hypot(u, v), 1e-300)
+        middle, cosine = np.arctan2(v, u), least / size
+        ranges.append((middle, cosine))
+        half = np.arccos(np.clip(cosine, -1.0, 1.0))
+        tried += [middle - half, middle + half]
+    best = np.full(x.shape, np.inf)
+    for angle in tried:
+        allowed = np.all([np.cos(angle - middle) >= least - ON_BOUND for middle, least in ranges], axis=0)
+        aside = np.hypot(x - radius * np.cos(angle), y - radius * np.sin(angle))
+        best = np.minimum(best, np.where(allowed, np.hypot(aside, beyond), np.inf))
+    return np.asarray(best.min(axis=1))
+
+
+def _vertex_gaps(cone: Cone, center: Array, bounds: Bounds, *, radius: float) -> Array:
+    """To the part of a sphere about a convex vertex whose normals are allowed.
+
+    Nearest is the direction to the centre itself, its foot on one of the circles that bound the normals, or a
+    point where two of them meet.
+    """
+    offset = center - cone.point
+    best = np.full(len(center), np.inf)
+    straight = offset / np.maximum(np.linalg.norm(offset, axis=1, keepdims=True), 1e-300)
+    caps = [(np.broadcast_to(-one, center.shape), 0.0) for one in cone.leaving]
+    caps += list(bounds)
+    # From the middle of a circle all of it is equally far: any foot will do, and the middle itself.
+    tried = [straight, *(middle for middle, _ in caps)]
+    for middle, least in caps:
+        foot = straight - np.einsum("pi,pi->p", straight, middle)[:, None] * middle
+        length = np.linalg.norm(foot, axis=1, keepdims=True)
+        foot = np.where(length > 1e-9, foot / np.maximum(length, 1e-300), _square_to(middle))
+        tried.append(least * middle + math.sqrt(max(0.0, 1.0 - least * least)) * foot)
+    for k, one in enumerate(caps):
+        for other in caps[:k]:
+            tried += _meeting(one, other)
+    for normal in tried:
+        unit = np.abs(np.linalg.norm(normal, axis=1) - 1.0) <= 1e-9
+        slip = [np.einsum("pi,pi->p", normal, middle) >= least - 1e-10 for middle, least in caps]
+        allowed = unit & np.all(slip, axis=0)
+        gap = np.linalg.norm(offset - radius * normal, axis=1)
+        best = np.minimum(best, np.where(allowed, gap, np.inf))
+    return best
+
+
+def _square_to(middle: Array) -> Array:
+    """Some unit vectors square to these, `(p, 3)`."""
+    axis = np.eye(3)[np.abs(middle).argmin(axis=1)]
+    across = np.cross(middle, axis)
+    return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
+
+
+def _meeting(one: tuple[Array, float], other: tuple[Array, float]) -> list[Array]:
+    """The two unit vectors with the least cosine to both middles; not unit where there are none."""
+    (a, s), (b, t) = one, other
+    dot = np.einsum("pi,pi->p", a, b)
+    square = 1.0 - dot * dot
+    safe = np.maximum(square, 1e-18)
+    base = ((s - t * dot) / safe)[:, None] * a + ((t - s * dot) / safe)[:, None] * b
+    rest = 1.0 - np.einsum("pi,pi->p", base, base)
+    aside = np.cross(a, b) * np.sqrt(np.maximum(rest, 0.0) / safe)[:, None]
+    return [base + aside, base - aside]
+
+
+def clear(  # noqa: PLR0917 - as above
+    solid: Solid, poses: Array, contacts: Sequence[Any], slack: Slack = NONE, *, misses: Sequence[Any] = ()
+) -> Mask:
+    """Whether every sweep keeps its clearance from the placed part; shape `(p,)`.
+
+    Where a sweep may pass through the part it is decided by points on it: cautiously, if `slack` is negative.
+    """
+    held = np.ones(len(poses), dtype=bool)
+    for start, end, clearance in sweeps(contacts, misses):
+        for number in np.flatnonzero(held):
+            turn, shift = poses[number, :3, :3], poses[number, :3, 3]
+            ends = (start - shift) @ turn, (end - shift) @ turn
+            low, high = least_distances(solid, *ends)
+            least = low if slack.length < 0.0 else high
+            held[number] = least >= clearance - slack.length
+    return held
+
+
+def sweeps(contacts: Sequence[Any], misses: Sequence[Any]) -> list[tuple[Array, Array, float]]:
+    """Start, end and clearance of what the tip swept freely, world frame."""
+    found = [(np.array(m.start), np.array(m.end), m.tip_radius - m.path_error) for m in misses]
+    for contact in contacts:
+        if getattr(contact, "start", None) is None:
+            continue
+        way = np.array(contact.center) - np.array(contact.start)
+        length = float(np.linalg.norm(way))
+        left = length - contact.position_error
+        if left > 0.0:
+            end = np.array(contact.start) + way * (left / length)
+            found.append((np.array(contact.start), end, contact.tip_radius - contact.position_error))
+    return found
+
+
+def angle_between(first: Array, second: Array) -> Array:
+    """Of the rotation that leads from one rotation matrix to another, `(..., 3, 3)`, radians."""
+    chord = np.linalg.norm(first - second, axis=(-2, -1)) / math.sqrt(8.0)
+    return np.asarray(2.0 * np.arcsin(np.clip(chord, 0.0, 1.0)))
+
+
+def expected(poses: Array, prior: Any, slack: Slack = NONE) -> Mask:
+    """Whether a prior, a box of translations and a cone of rotations, allows the poses; shape `(p,)`."""
+    if prior is None:
+        return np.ones(len(poses), dtype=bool)
+    middle = np.array(prior.world_from_model)
+    moved = np.abs(poses[:, :3, 3] - middle[:3, 3]).max(axis=1) <= prior.translation + slack.length
+    turned = angle_between(poses[:, :3, :3], middle[:3, :3]) <= prior.rotation + slack.angle
+    return np.asarray(moved & turned)
