@@ -18,6 +18,7 @@ from palpate.loop.refuted import refuted
 from palpate.loop.route import length_of
 from palpate.loop.settings import settings_of
 from palpate.loop.tour import Tour
+from palpate.loop.wander import path_error_of, wandering
 
 PARTS = palpate.load_models(list(palpate.part_names()))
 EVIDENCE = (palpate.Hit, palpate.Miss, palpate.Skid)
@@ -135,6 +136,66 @@ def test_ways_count_where_the_tip_leaves_its_line_by_more_than_the_position_erro
         assert len(result.misses) == 4 + result.touches
 
 
+@pytest.mark.parametrize(
+    ("position_error", "normal_error_deg", "tip_radius", "count"),
+    [(0.5, 4.0, 0.0, 180), (4.0, 5.0, 0.0, 45), (0.5, 4.0, 5.0, 45), (0.5, None, 0.0, 27)],
+)
+def test_a_tip_that_wanders_by_the_position_error_loses_no_truth(
+    position_error, normal_error_deg, tip_radius, count
+):
+    """A sensor that states no path error, and a tip that leaves every line by the whole position error."""
+    normal_error = None if normal_error_deg is None else math.radians(normal_error_deg)
+    bounds = {"position_error": position_error, "normal_error": normal_error, "tip_radius": tip_radius}
+    sensor, made = usual_sensor(**bounds), usual_sensor(**bounds, path_error=position_error)
+    assert sensor.path_error == 0.0
+    lost, refuted = [], 0
+    for number in range(count):
+        problem = closed_loop.problem_of(number, PARTS, PARTS[number % len(PARTS)], sensor=made)
+        probe = palpate.SimulatedProbe(
+            problem.truth, problem.world_from_truth, made, seed=number, noise="bounds", believed=sensor
+        )
+        result = palpate.identify(PARTS, probe, sensor, problem.workspace)
+        assert result.status in ("solved", "inseparable", "budget")
+        lost += [] if problem.kept(result.hypotheses) else [number]
+        refuted += len(result.found.refuted)
+    assert not lost
+    assert refuted or position_error < 4.0
+
+
+def test_a_path_error_that_is_not_stated_is_the_position_error():
+    """Of the sensor, of a contact that states a larger one, of misses; what is stated is kept."""
+    model, world_from_model, workspace = placed_at_random(3)
+    sensor = usual_sensor(tip_radius=2.0)
+    probe = palpate.SimulatedProbe(model, world_from_model, sensor, seed=3)
+    given = palpate.Miss((900, 900), (910, 900))
+    stated = palpate.Miss((900, 900), (910, 900), path_error=0.01)
+    result = palpate.identify(PARTS, probe, sensor, workspace, misses=[given, stated])
+    border, swept = result.misses[:4], result.misses[4:]
+    assert [miss.path_error for miss in border] == [sensor.position_error] * 4
+    assert [miss.path_error for miss in swept[:2]] == [sensor.position_error, 0.01]
+    assert {miss.path_error for miss in swept[2:]} <= {sensor.position_error}
+    for sure in (usual_sensor(path_error=0.01), usual_sensor(path_error=3.0)):
+        assert path_error_of(sure) == wandering(sure).path_error == sure.path_error
+        assert path_error_of(sure, 9.0) == sure.path_error
+    assert path_error_of(sensor, 9.0) == 9.0
+    # Paths promise for such a tip.
+    told = straight = planned = 0.0
+    for number in range(9):
+        before = None
+        for step in run(number).steps:
+            if step.path is not None:
+                line = step.path.start, step.path.direction, step.path.length
+                both = (wandering(usual_sensor()), usual_sensor())
+                margins = [palpate.judge(before, one, *line).margin for one in both]
+                planned, told, straight = planned + step.path.margin, told + margins[0], straight + margins[1]
+            before = step.hypotheses
+    assert planned == told < straight
+    # The border is outside of the part, however far the tip may leave it.
+    probe = palpate.SimulatedProbe(model, world_from_model, sensor, seed=3)
+    far = palpate.identify(PARTS, probe, usual_sensor(tip_radius=2.0, path_error=3.0), workspace)
+    assert {(miss.tip_radius, miss.path_error) for miss in far.misses[:4]} == {(2.0, 2.0)}
+
+
 def test_kinds_that_a_path_may_touch_say_nothing_of_scans():
     """A scan with a ball meets corners, whatever kinds paths are to touch."""
     parts = [PARTS[k] for k in (2, 3, 4)]
@@ -157,7 +218,7 @@ def test_kinds_that_a_path_may_touch_say_nothing_of_scans():
 
 def coarse(number, **settings):
     """A loop in which a path promises more than its contact tells where it is taken as a mere place."""
-    sensor = usual_sensor(position_error=4.0, normal_error=math.radians(5))
+    sensor = usual_sensor(position_error=4.0, normal_error=math.radians(5), path_error=0.01)
     problem = closed_loop.problem_of(number, PARTS, PARTS[number % len(PARTS)], sensor=sensor)
     return problem, palpate.identify(PARTS, problem.probe, sensor, problem.workspace, **settings)
 

@@ -17,6 +17,7 @@ from palpate.experiments.shapes import Array
 from palpate.loop.planning import is_promising
 from palpate.loop.refuted import refuted
 from palpate.loop.settings import MAX_TOUCHES
+from palpate.loop.wander import as_swept
 
 if TYPE_CHECKING:
     from palpate.experiments.closed_loop import Problem
@@ -49,7 +50,7 @@ def touches(name: str, problem: Problem, result: Result, *, number: int) -> dict
         if isinstance(reply, Hit):
             contacts.append(reply.contact)
         elif isinstance(reply, Miss | Skid):
-            misses.append(reply.free if isinstance(reply, Skid) else reply)
+            misses.append(as_swept(reply.free if isinstance(reply, Skid) else reply, problem.sensor))
 
 
 def _before_planning(result: Result) -> tuple[list[Contact], list[Miss], int]:

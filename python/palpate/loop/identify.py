@@ -53,20 +53,21 @@ def identify(  # noqa: PLR0917 - the four that every call has
     answered one of the guarded moves are dropped. It goes on while a path is certain to tell some apart, else
     while an untried one is expected to leave fewer than n - 0.05 of n.
 
-    If all readings are within their bounds, no touch of the workspace's perimeter is possible and the true
-    part is among the models, then the truth is among the hypotheses that are left, whatever the status. Same
-    input, seed and replies: same run, unless `time_limit` cuts the planning short.
+    If all readings are within their bounds, the tip stays within the path error of its lines, no touch of the
+    workspace's perimeter is possible and the true part is among the models, then the truth is among the
+    hypotheses that are left, whatever the status. Same input, seed and replies: same run, unless `time_limit`
+    cuts the planning short.
 
     Args:
         models: The parts that it may be. Their unit is that of all lengths.
         probe: What moves and touches; `SimulatedProbe`, or your own `Probe`.
         sensor: Bounds of its readings, for planning; each contact brings its own for recognition. The path
-            error must hold for all guarded moves.
+            error must hold for all guarded moves. Zero states none: the position error stands for it.
         workspace: Two opposite corners, shape `(2, 2)`, world frame. Its perimeter is free for the tip, and
             the part is within.
         prior: What is known of the pose beforehand.
         contacts: What was touched before; nothing is acquired then, unless `blind` asks for more.
-        misses: What was missed before.
+        misses: What was missed before. One that states no path error has that of the sensor.
         blind: Go on with blind scans until so many contacts (with a normal, if the sensor reads them) are
             had. None: until two normals are independent, or, without normals, until there are four contacts.
         planner: As for `plan`; the same for `stop`, `directions`, `margin`, `effort` and `features`.

@@ -23,7 +23,7 @@ def next_path(hypotheses: list[Hypothesis], settings: Settings, steps: Sequence[
     def look(effort: int) -> PlanReport:
         return plan_report(
             hypotheses,
-            settings.sensor,
+            settings.moved,
             tried=tried,
             effort=effort,
             **settings.searched,

@@ -26,6 +26,7 @@ from palpate.loop.refuted import refuted
 from palpate.loop.result import Array, Found, Purpose, Result, Status, Step
 from palpate.loop.settings import Settings
 from palpate.loop.tour import Tour
+from palpate.loop.wander import as_swept, path_error_of
 from palpate.probe import AlreadyTouching, Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
 
 
@@ -56,7 +57,7 @@ class Run:
         self._tour = Tour(settings, probe, journal, position=position)
         self._told = told or (lambda step: None)
         self._contacts: list[Contact] = list(settings.contacts)
-        self._misses: list[Miss] = [*settings.border, *settings.misses]
+        self._misses: list[Miss] = settings.known
         self._steps: list[Step] = []
         self._num_told = 0
         self._found: Found | None = None
@@ -194,7 +195,7 @@ class Run:
         if known is None:
             report = verification_report(
                 last,
-                settings.sensor,
+                settings.moved,
                 time_limit=settings.time_limit,
                 effort=settings.effort,
                 **settings.placed,
@@ -206,7 +207,7 @@ class Run:
         path = None
         if known["path"] is not None:
             line = (known["path"]["start"], known["path"]["direction"])
-            path = verification_path(last, settings.sensor, line=line, **settings.judged)
+            path = verification_path(last, settings.moved, line=line, **settings.judged)
         return path, known["why"]
 
     def _tell_apart(self, hypotheses: list[Hypothesis]) -> None:
@@ -242,7 +243,7 @@ class Run:
         path = None
         if known["path"] is not None:
             line = (known["path"][name] for name in ("start", "direction", "length"))
-            path = judge(hypotheses, settings.sensor, *line, **settings.judged)
+            path = judge(hypotheses, settings.moved, *line, **settings.judged)
         return path, known["why"], known["proved"]
 
     def _touch(self, start: Array, end: Array, *, purpose: Purpose, path: Path | None = None) -> Reply:
@@ -276,9 +277,9 @@ class Run:
     def _take(self, reply: Reply, start: Array, end: Array) -> None:
         """As evidence. An unexpected touch is none: the bounds of readings don't hold for free moves."""
         if isinstance(reply, Miss):
-            self._misses.append(reply)
+            self._misses.append(as_swept(reply, self._settings.sensor))
         elif isinstance(reply, Skid):
-            self._misses.append(reply.free)
+            self._misses.append(as_swept(reply.free, self._settings.sensor))
         elif isinstance(reply, Hit):
             self._contacts.append(reply.contact)
             if reply.contact.start is None:
@@ -288,7 +289,7 @@ class Run:
         """The free way before a contact that says nothing of it, to within the path error."""
         direction = (end - start) / np.hypot(*(end - start))
         free = max(0.0, float(direction @ (contact.center - start)) - contact.position_error)
-        path_error = self._settings.sensor.path_error
+        path_error = path_error_of(self._settings.sensor, contact.position_error)
         return Miss(start, start + free * direction, tip_radius=contact.tip_radius, path_error=path_error)
 
 
