@@ -3,7 +3,9 @@
 import itertools
 import json
 import math
+import time
 from collections import Counter
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,12 +13,14 @@ from conftest import pose, usual_sensor
 from test_cli import validate
 
 import palpate
+import palpate.loop.run
 from palpate.experiments import closed_loop
 from palpate.loop.acquire import Scans, independent, smallest_width
 from palpate.loop.journal import Journal
 from palpate.loop.refuted import refuted
 from palpate.loop.route import length_of
 from palpate.loop.settings import settings_of
+from palpate.loop.tightness import GAIN, PATIENCE, Tightness
 from palpate.loop.tour import Tour
 from palpate.loop.wander import path_error_of, wandering
 
@@ -419,6 +423,89 @@ def test_until_tightens_the_last_hypothesis():
     assert last.poses.rotation_bound <= math.radians(0.8) < loose.hypotheses[0].poses.rotation_bound
     assert max(last.poses.excursion(vertex) for vertex in last.model.vertices) <= 2.0
     assert run(0, until=(1e-6, 1e-6)).until_met is False
+
+
+def knob():
+    """A plate with corners so round that the tip lies on any of several faces."""
+    quarters = np.linspace(0.0, math.pi / 2, 6)
+    centers = [(70, 42), (6, 50), (6, 6), (66, 6)]
+    outline = [
+        (x + 6.0 * math.cos(turn + quarter), y + 6.0 * math.sin(turn + quarter))
+        for (x, y), turn in zip(centers, np.arange(4) * math.pi / 2, strict=True)
+        for quarter in quarters
+    ]
+    return palpate.Model.polygon(outline, name="knob", position_slack=0.1, normal_slack=0.16)
+
+
+def test_contacts_on_small_arcs_do_not_stop_the_loop():
+    """They leave thousands of pieces; the pose of largest slack, asked at each step, is soon found."""
+    models, place, sensor = [knob()], pose(0.4, 10.0, -20.0), usual_sensor(tip_radius=3.0)
+    probe = palpate.SimulatedProbe(models[0], place, sensor, seed=2)
+    asked = {"until": (0.01, 0.001), "effort": 2000, "max_touches": 10}
+    result = palpate.identify(models, probe, sensor, [[-130, -130], [130, 130]], **asked)
+    assert result.status == "budget" and result.touches == 10
+    (last,) = palpate.recognize(models, result.contacts, misses=result.misses).hypotheses
+    assert last.poses.contains(place)
+    began = time.perf_counter()
+    assert last.poses.contains(last.world_from_model)
+    assert time.perf_counter() - began < 10.0
+
+
+def test_touches_that_make_nothing_tighter_end_the_run(tmp_path):
+    """Without any limit of time, alike each time."""
+    log = tmp_path / "run.jsonl"
+    for number in (10, 25):
+        model = PARTS[number % len(PARTS)]
+        asked = {"models": [model], "until": (0.01, 0.001), "effort": 1000}
+        result = run(number, log=log, **asked)
+        assert result.status == "budget" and result.until_met is False
+        assert f"the last {PATIENCE} touches made its poses no tighter" in result.reason
+        assert [step.purpose for step in result.steps[-PATIENCE:]] == ["verify"] * PATIENCE
+        before, *later = [step.hypotheses[0].poses for step in result.steps[-PATIENCE - 1 :]]
+        shifts = [max(poses.excursion(corner) for corner in model.vertices) for poses in (before, *later)]
+        assert min(shifts[1:]) >= (1.0 - GAIN) * shifts[0]
+        assert min(poses.rotation_bound for poses in later) >= (1.0 - GAIN) * before.rotation_bound
+        again = run(number, **asked)
+        assert (again.touches, again.reason) == (result.touches, result.reason)
+        assert palpate.replay(log).reason == result.reason
+        log.unlink()
+
+
+def test_touches_in_vain_are_counted_from_the_last_that_told():
+    def last(shift, turn):
+        poses = SimpleNamespace(rotation_bound=turn, excursion=lambda vertex: shift)
+        return SimpleNamespace(poses=poses, model=SimpleNamespace(vertices=[(0, 0)]))
+
+    told = Tightness((1.0, 0.1))
+    assert not told.in_vain(last(4.0, 0.2))
+    assert [told.in_vain(last(4.1, 0.2)) for _ in range(PATIENCE - 1)] == [False] * (PATIENCE - 1)
+    assert not told.in_vain(last(4.1, 0.15)), "the turn is less"
+    assert [told.in_vain(last(3.97, 0.15)) for _ in range(PATIENCE)] == [False] * (PATIENCE - 1) + [True]
+    assert not told.reached(last(0.9, 0.11)) and told.reached(last(0.9, 0.1))
+    small = Tightness((1.0, 0.1))
+    assert not small.in_vain(last(4.0, 0.05))
+    turns = [0.04 / (k + 1) for k in range(PATIENCE)]
+    assert [small.in_vain(last(4.0, turn)) for turn in turns][-1], "the turn was small enough"
+
+
+def test_a_time_limit_holds_for_recognition_and_planning_together(monkeypatch, tmp_path):
+    """Of a recognition that takes longer nothing is planned."""
+    recognize, log = palpate.loop.run.recognize, tmp_path / "run.jsonl"
+
+    def slow(*arguments, **settings):
+        time.sleep(0.3)
+        return recognize(*arguments, **settings)
+
+    monkeypatch.setattr(palpate.loop.run, "recognize", slow)
+    assert run(0, time_limit=60.0).status == "solved"
+    for settings in ({"log": log}, {"until": (0.01, 0.001)}):
+        result = run(0, time_limit=0.25, **settings)
+        assert result.status == "budget" and "cut short" in result.reason
+        assert {step.purpose for step in result.steps} == {"scan"} and len(result.hypotheses) > 1
+    monkeypatch.undo()
+    assert palpate.replay(log).reason == run(0, time_limit=1e-9).reason
+    short = run(1, time_limit=1e-9, until=(1.0, 0.01), models=[PARTS[1]])
+    assert short.status == "budget" and len(short.hypotheses) == 1
 
 
 def test_blind_contacts():

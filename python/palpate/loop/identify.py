@@ -76,12 +76,14 @@ def identify(  # noqa: PLR0917 - the four that every call has
         margin: As for `plan`.
         effort: As for `plan` and `verification_report`, for each path. A promising path that a quick look
             finds is taken at once.
-        time_limit: Seconds, for each path.
+        time_limit: Seconds, for recognition and planning between two touches. A recognition is not cut short;
+            if it took as long, nothing is planned and the run ends.
         features: As for `plan`: kinds that a path may touch. A scan may touch any, and is so understood.
         max_touches: So many guarded moves are made at most.
         max_hypotheses: As for `recognize`. Where there are more, blind scans go on.
         until: A length and an angle: the last hypothesis is touched where it was not yet, until no two of
-            its poses move a corner further apart and turn more than this, or no such touch is found.
+            its poses move a corner further apart and turn more than this, or no such touch is found, or five
+            in a row made the poses no tighter by a hundredth (status `"budget"`).
         seed: Of the planner.
         unit: Of the models, for the log to say.
         log: A file to which each event is written before the next one begins, as JSON lines.

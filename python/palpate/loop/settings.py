@@ -67,7 +67,7 @@ class Settings:
     @property
     def searched(self) -> dict[str, Any]:
         """How a planner searches, but for how long."""
-        return {"planner": self.planner, "stop": self.stop, "time_limit": self.time_limit}
+        return {"planner": self.planner, "stop": self.stop}
 
     @property
     def border(self) -> list[Miss]:
@@ -102,6 +102,7 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
         if name != "blind" or given[name] is not None:
             _check_whole(name, given[name], 1)
     _check_whole("seed", given["seed"], 0)
+    given["time_limit"] = _time_limit(given["time_limit"])
     if isinstance(given["stop"], list):
         given["stop"] = tuple(given["stop"])
     given["until"] = _until(given["until"])
@@ -125,6 +126,16 @@ def _check_whole(name: str, value: Any, least: int) -> None:
         raise ValueError(
             f"{name}: must be a whole number, {least} or more (got {value!r}); give an int in range"
         )
+
+
+def _time_limit(value: Any) -> float | None:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        raise ValueError(
+            f"time_limit: must be above zero and finite (got {value!r}); give seconds, or leave it out"
+        )
+    return value
 
 
 def _features(value: Any) -> list[str] | None:
