@@ -82,7 +82,7 @@ def identify(  # noqa: PLR0917 - the four that every call has
         max_touches: So many guarded moves are made at most.
         max_hypotheses: As for `recognize`. Where there are more, blind scans go on.
         until: A length and an angle: the last hypothesis is touched where it was not yet, until no two of
-            its poses move a corner further apart and turn more than this, or no such touch is found, or five
+            its poses move a corner further apart and turn more than this, or no such touch is found, or ten
             in a row made the poses no tighter by a hundredth (status `"budget"`).
         seed: Of the planner.
         unit: Of the models, for the log to say.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from palpate._core import Hypothesis
 
-# HEURISTIC: on small arcs touches may tell nothing, and then one does. In two runs on parts with arcs no more
-# than three in a row did so before one that told.
-PATIENCE = 5
+# HEURISTIC: on small arcs touches may tell nothing, and then one does. In five runs on parts with arcs no more
+# than six in a row did so before one that told.
+PATIENCE = 10
 GAIN = 0.01  # a share of the least so far; the enclosure of a pose set varies by about as much
 
 
