@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from palpate._core import Hypothesis
 
-# HEURISTIC: on small arcs touches may tell nothing, and then one does. In five runs on parts with arcs no more
-# than six in a row did so before one that told.
+# HEURISTIC: on small arcs touches may tell nothing, and then one does. In five runs on parts with arcs no
+# more than six in a row told nothing before one did.
 PATIENCE = 10
 GAIN = 0.01  # a share of the least so far; the enclosure of a pose set varies by about as much
 
