@@ -3,7 +3,9 @@
 import itertools
 import json
 import math
+import time
 from collections import Counter
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,13 +13,16 @@ from conftest import pose, usual_sensor
 from test_cli import validate
 
 import palpate
+import palpate.loop.run
 from palpate.experiments import closed_loop
 from palpate.loop.acquire import Scans, independent, smallest_width
 from palpate.loop.journal import Journal
 from palpate.loop.refuted import refuted
 from palpate.loop.route import length_of
 from palpate.loop.settings import settings_of
+from palpate.loop.tightness import GAIN, PATIENCE, Tightness
 from palpate.loop.tour import Tour
+from palpate.loop.wander import path_error_of, wandering
 
 PARTS = palpate.load_models(list(palpate.part_names()))
 EVIDENCE = (palpate.Hit, palpate.Miss, palpate.Skid)
@@ -135,6 +140,66 @@ def test_ways_count_where_the_tip_leaves_its_line_by_more_than_the_position_erro
         assert len(result.misses) == 4 + result.touches
 
 
+@pytest.mark.parametrize(
+    ("position_error", "normal_error_deg", "tip_radius", "count"),
+    [(0.5, 4.0, 0.0, 180), (4.0, 5.0, 0.0, 45), (0.5, 4.0, 5.0, 45), (0.5, None, 0.0, 27)],
+)
+def test_a_tip_that_wanders_by_the_position_error_loses_no_truth(
+    position_error, normal_error_deg, tip_radius, count
+):
+    """A sensor that states no path error, and a tip that leaves every line by the whole position error."""
+    normal_error = None if normal_error_deg is None else math.radians(normal_error_deg)
+    bounds = {"position_error": position_error, "normal_error": normal_error, "tip_radius": tip_radius}
+    sensor, made = usual_sensor(**bounds), usual_sensor(**bounds, path_error=position_error)
+    assert sensor.path_error == 0.0
+    lost, refuted = [], 0
+    for number in range(count):
+        problem = closed_loop.problem_of(number, PARTS, PARTS[number % len(PARTS)], sensor=made)
+        probe = palpate.SimulatedProbe(
+            problem.truth, problem.world_from_truth, made, seed=number, noise="bounds", believed=sensor
+        )
+        result = palpate.identify(PARTS, probe, sensor, problem.workspace)
+        assert result.status in ("solved", "inseparable", "budget")
+        lost += [] if problem.kept(result.hypotheses) else [number]
+        refuted += len(result.found.refuted)
+    assert not lost
+    assert refuted or position_error < 4.0
+
+
+def test_a_path_error_that_is_not_stated_is_the_position_error():
+    """Of the sensor, of a contact that states a larger one, of misses; what is stated is kept."""
+    model, world_from_model, workspace = placed_at_random(3)
+    sensor = usual_sensor(tip_radius=2.0)
+    probe = palpate.SimulatedProbe(model, world_from_model, sensor, seed=3)
+    given = palpate.Miss((900, 900), (910, 900))
+    stated = palpate.Miss((900, 900), (910, 900), path_error=0.01)
+    result = palpate.identify(PARTS, probe, sensor, workspace, misses=[given, stated])
+    border, swept = result.misses[:4], result.misses[4:]
+    assert [miss.path_error for miss in border] == [sensor.position_error] * 4
+    assert [miss.path_error for miss in swept[:2]] == [sensor.position_error, 0.01]
+    assert {miss.path_error for miss in swept[2:]} <= {sensor.position_error}
+    for sure in (usual_sensor(path_error=0.01), usual_sensor(path_error=3.0)):
+        assert path_error_of(sure) == wandering(sure).path_error == sure.path_error
+        assert path_error_of(sure, 9.0) == sure.path_error
+    assert path_error_of(sensor, 9.0) == 9.0
+    # Paths promise for such a tip.
+    told = straight = planned = 0.0
+    for number in range(9):
+        before = None
+        for step in run(number).steps:
+            if step.path is not None:
+                line = step.path.start, step.path.direction, step.path.length
+                both = (wandering(usual_sensor()), usual_sensor())
+                margins = [palpate.judge(before, one, *line).margin for one in both]
+                planned, told, straight = planned + step.path.margin, told + margins[0], straight + margins[1]
+            before = step.hypotheses
+    assert planned == told < straight
+    # The border is outside of the part, however far the tip may leave it.
+    probe = palpate.SimulatedProbe(model, world_from_model, sensor, seed=3)
+    far = palpate.identify(PARTS, probe, usual_sensor(tip_radius=2.0, path_error=3.0), workspace)
+    assert {(miss.tip_radius, miss.path_error) for miss in far.misses[:4]} == {(2.0, 2.0)}
+
+
 def test_kinds_that_a_path_may_touch_say_nothing_of_scans():
     """A scan with a ball meets corners, whatever kinds paths are to touch."""
     parts = [PARTS[k] for k in (2, 3, 4)]
@@ -157,7 +222,7 @@ def test_kinds_that_a_path_may_touch_say_nothing_of_scans():
 
 def coarse(number, **settings):
     """A loop in which a path promises more than its contact tells where it is taken as a mere place."""
-    sensor = usual_sensor(position_error=4.0, normal_error=math.radians(5))
+    sensor = usual_sensor(position_error=4.0, normal_error=math.radians(5), path_error=0.01)
     problem = closed_loop.problem_of(number, PARTS, PARTS[number % len(PARTS)], sensor=sensor)
     return problem, palpate.identify(PARTS, problem.probe, sensor, problem.workspace, **settings)
 
@@ -358,6 +423,88 @@ def test_until_tightens_the_last_hypothesis():
     assert last.poses.rotation_bound <= math.radians(0.8) < loose.hypotheses[0].poses.rotation_bound
     assert max(last.poses.excursion(vertex) for vertex in last.model.vertices) <= 2.0
     assert run(0, until=(1e-6, 1e-6)).until_met is False
+
+
+def knob():
+    """A plate with corners so round that the tip lies on any of several faces."""
+    quarters = np.linspace(0.0, math.pi / 2, 6)
+    centers = [(70, 42), (6, 50), (6, 6), (66, 6)]
+    outline = [
+        (x + 6.0 * math.cos(turn + quarter), y + 6.0 * math.sin(turn + quarter))
+        for (x, y), turn in zip(centers, np.arange(4) * math.pi / 2, strict=True)
+        for quarter in quarters
+    ]
+    return palpate.Model.polygon(outline, name="knob", position_slack=0.1, normal_slack=0.16)
+
+
+def test_contacts_on_small_arcs_do_not_stop_the_loop():
+    """They leave thousands of pieces; the pose of largest slack, asked at each step, is soon found."""
+    models, place, sensor = [knob()], pose(0.4, 10.0, -20.0), usual_sensor(tip_radius=3.0)
+    probe = palpate.SimulatedProbe(models[0], place, sensor, seed=2)
+    asked = {"until": (0.01, 0.001), "effort": 2000, "max_touches": 10}
+    result = palpate.identify(models, probe, sensor, [[-130, -130], [130, 130]], **asked)
+    assert result.status == "budget" and result.touches == 10
+    (last,) = palpate.recognize(models, result.contacts, misses=result.misses).hypotheses
+    assert last.poses.contains(place)
+    began = time.perf_counter()
+    assert last.poses.contains(last.world_from_model)
+    assert time.perf_counter() - began < 10.0
+
+
+def test_touches_that_make_nothing_tighter_end_the_run(tmp_path):
+    """Without any limit of time, alike each time."""
+    log = tmp_path / "run.jsonl"
+    number = 44
+    model = PARTS[number % len(PARTS)]
+    asked = {"models": [model], "until": (0.01, 0.001), "effort": 1000}
+    result = run(number, log=log, **asked)
+    assert result.status == "budget" and result.until_met is False
+    assert f"the last {PATIENCE} touches made its poses no tighter" in result.reason
+    assert [step.purpose for step in result.steps[-PATIENCE:]] == ["verify"] * PATIENCE
+    before, *later = [step.hypotheses[0].poses for step in result.steps[-PATIENCE - 1 :]]
+    shifts = [max(poses.excursion(corner) for corner in model.vertices) for poses in (before, *later)]
+    assert min(shifts[1:]) >= (1.0 - GAIN) * shifts[0]
+    assert min(poses.rotation_bound for poses in later) >= (1.0 - GAIN) * before.rotation_bound
+    again = run(number, **asked)
+    assert (again.touches, again.reason) == (result.touches, result.reason)
+    assert palpate.replay(log).reason == result.reason
+
+
+def test_touches_in_vain_are_counted_from_the_last_that_told():
+    def last(shift, turn):
+        poses = SimpleNamespace(rotation_bound=turn, excursion=lambda vertex: shift)
+        return SimpleNamespace(poses=poses, model=SimpleNamespace(vertices=[(0, 0)]))
+
+    told = Tightness((1.0, 0.1))
+    assert not told.in_vain(last(4.0, 0.2))
+    assert [told.in_vain(last(4.1, 0.2)) for _ in range(PATIENCE - 1)] == [False] * (PATIENCE - 1)
+    assert not told.in_vain(last(4.1, 0.15)), "the turn is less"
+    assert [told.in_vain(last(3.97, 0.15)) for _ in range(PATIENCE)] == [False] * (PATIENCE - 1) + [True]
+    assert not told.reached(last(0.9, 0.11)) and told.reached(last(0.9, 0.1))
+    small = Tightness((1.0, 0.1))
+    assert not small.in_vain(last(4.0, 0.05))
+    turns = [0.04 / (k + 1) for k in range(PATIENCE)]
+    assert [small.in_vain(last(4.0, turn)) for turn in turns][-1], "the turn was small enough"
+
+
+def test_a_time_limit_holds_for_recognition_and_planning_together(monkeypatch, tmp_path):
+    """Of a recognition that takes longer nothing is planned."""
+    recognize, log = palpate.loop.run.recognize, tmp_path / "run.jsonl"
+
+    def slow(*arguments, **settings):
+        time.sleep(0.3)
+        return recognize(*arguments, **settings)
+
+    monkeypatch.setattr(palpate.loop.run, "recognize", slow)
+    assert run(0, time_limit=60.0).status == "solved"
+    for settings in ({"log": log}, {"until": (0.01, 0.001)}):
+        result = run(0, time_limit=0.25, **settings)
+        assert result.status == "budget" and "cut short" in result.reason
+        assert {step.purpose for step in result.steps} == {"scan"} and len(result.hypotheses) > 1
+    monkeypatch.undo()
+    assert palpate.replay(log).reason == run(0, time_limit=1e-9).reason
+    short = run(1, time_limit=1e-9, until=(1.0, 0.01), models=[PARTS[1]])
+    assert short.status == "budget" and len(short.hypotheses) == 1
 
 
 def test_blind_contacts():

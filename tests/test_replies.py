@@ -193,7 +193,7 @@ def test_what_moves_refute_is_what_paths_say():
             sensor.normal_error,
             sensor.max_incidence,
             0.0,
-            granted,
+            sensor.position_error + granted,  # it states no path error
         )
         left = palpate.judge(first, felt, start, end - start, length).outcome_of(contact)
         known |= {k: number for k in range(len(first)) if k not in left and k not in known}

@@ -116,7 +116,7 @@ def identify(
             position_error=position_error,
             normal_error_deg=normal_error_deg,
             tip_radius=tip_radius,
-            path_error=path_error,
+            path_error=path_error or None,
         )
     elif drawn is not None:
         first = random_contacts(

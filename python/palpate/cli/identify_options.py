@@ -129,7 +129,7 @@ PathError = Annotated[
     typer.Option(
         parser=options.length,
         metavar="LENGTH",
-        help="How far the tip may leave its line.",
+        help="How far the tip may leave its line; not given, or 0: as far as the position error.",
         rich_help_panel="Sensor",
     ),
 ]

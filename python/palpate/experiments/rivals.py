@@ -17,6 +17,7 @@ from palpate.experiments.shapes import Array
 from palpate.loop.planning import is_promising
 from palpate.loop.refuted import refuted
 from palpate.loop.settings import MAX_TOUCHES
+from palpate.loop.wander import as_swept, wandering
 
 if TYPE_CHECKING:
     from palpate.experiments.closed_loop import Problem
@@ -49,7 +50,7 @@ def touches(name: str, problem: Problem, result: Result, *, number: int) -> dict
         if isinstance(reply, Hit):
             contacts.append(reply.contact)
         elif isinstance(reply, Miss | Skid):
-            misses.append(reply.free if isinstance(reply, Skid) else reply)
+            misses.append(as_swept(reply.free if isinstance(reply, Skid) else reply, problem.sensor))
 
 
 def _before_planning(result: Result) -> tuple[list[Contact], list[Miss], int]:
@@ -84,7 +85,7 @@ def by_entropy(problem: Problem, hypotheses: list[Hypothesis], random: np.random
     more than the information that is certain to be gained. Where none is certain to tell any apart, that
     which is expected to leave the fewest; None if none does.
     """
-    lines = Lines(hypotheses, problem.sensor, workspace=problem.workspace)
+    lines = Lines(hypotheses, wandering(problem.sensor), workspace=problem.workspace)
     best: tuple[tuple[float, float], Path] | None = None
     for _ in range(NUM_LINES):
         angle, offset = random.uniform(-math.pi, math.pi), lines.radius * random.uniform(-1.0, 1.0)

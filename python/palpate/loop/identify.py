@@ -53,20 +53,21 @@ def identify(  # noqa: PLR0917 - the four that every call has
     answered one of the guarded moves are dropped. It goes on while a path is certain to tell some apart, else
     while an untried one is expected to leave fewer than n - 0.05 of n.
 
-    If all readings are within their bounds, no touch of the workspace's perimeter is possible and the true
-    part is among the models, then the truth is among the hypotheses that are left, whatever the status. Same
-    input, seed and replies: same run, unless `time_limit` cuts the planning short.
+    If all readings are within their bounds, the tip stays within the path error of its lines, no touch of the
+    workspace's perimeter is possible and the true part is among the models, then the truth is among the
+    hypotheses that are left, whatever the status. Same input, seed and replies: same run, unless `time_limit`
+    cuts the planning short.
 
     Args:
         models: The parts that it may be. Their unit is that of all lengths.
         probe: What moves and touches; `SimulatedProbe`, or your own `Probe`.
         sensor: Bounds of its readings, for planning; each contact brings its own for recognition. The path
-            error must hold for all guarded moves.
+            error must hold for all guarded moves. Zero states none: the position error stands for it.
         workspace: Two opposite corners, shape `(2, 2)`, world frame. Its perimeter is free for the tip, and
             the part is within.
         prior: What is known of the pose beforehand.
         contacts: What was touched before; nothing is acquired then, unless `blind` asks for more.
-        misses: What was missed before.
+        misses: What was missed before. One that states no path error has that of the sensor.
         blind: Go on with blind scans until so many contacts (with a normal, if the sensor reads them) are
             had. None: until two normals are independent, or, without normals, until there are four contacts.
         planner: As for `plan`; the same for `stop`, `directions`, `margin`, `effort` and `features`.
@@ -75,12 +76,14 @@ def identify(  # noqa: PLR0917 - the four that every call has
         margin: As for `plan`.
         effort: As for `plan` and `verification_report`, for each path. A promising path that a quick look
             finds is taken at once.
-        time_limit: Seconds, for each path.
+        time_limit: Seconds, for recognition and planning between two touches. A recognition is not cut short;
+            if it took as long, nothing is planned and the run ends.
         features: As for `plan`: kinds that a path may touch. A scan may touch any, and is so understood.
         max_touches: So many guarded moves are made at most.
         max_hypotheses: As for `recognize`. Where there are more, blind scans go on.
         until: A length and an angle: the last hypothesis is touched where it was not yet, until no two of
-            its poses move a corner further apart and turn more than this, or no such touch is found.
+            its poses move a corner further apart and turn more than this, or no such touch is found, or ten
+            in a row made the poses no tighter by a hundredth (status `"budget"`).
         seed: Of the planner.
         unit: Of the models, for the log to say.
         log: A file to which each event is written before the next one begins, as JSON lines.

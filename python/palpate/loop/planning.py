@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 
 from palpate._core import Hypothesis, Path, PlanReport, plan_report
@@ -9,23 +10,31 @@ from palpate.loop.result import Step
 from palpate.loop.settings import Settings
 
 HARDLY = 0.05  # so many hypotheses less, in the mean, are hardly worth a touch
+HARDLY_ANY = 1e-9  # seconds, where no time is left
 QUICK = 2_000  # boxes of lines; more may take minutes, in which a promising touch tells more
 
 
-def next_path(hypotheses: list[Hypothesis], settings: Settings, steps: Sequence[Step]) -> PlanReport:
+def next_path(
+    hypotheses: list[Hypothesis], settings: Settings, steps: Sequence[Step], *, time_limit: float | None
+) -> PlanReport:
     """The best path by a quick look; if that is not promising, by as long a one as the settings allow.
 
     A search of all lines begins where no sampled line is certain to tell. It may be long, and is needless
-    where an untried path is expected to tell: the next look is after its touch.
+    where an untried path is expected to tell: the next look is after its touch. Both looks together keep to
+    the time limit, in seconds.
     """
+    began = time.perf_counter()
     tried = [(step.start, step.end - step.start) for step in steps]
 
     def look(effort: int) -> PlanReport:
+        spent = time.perf_counter() - began
+        left = None if time_limit is None else max(HARDLY_ANY, time_limit - spent)
         return plan_report(
             hypotheses,
-            settings.sensor,
+            settings.moved,
             tried=tried,
             effort=effort,
+            time_limit=left,
             **settings.searched,
             **settings.placed,
             **settings.judged,

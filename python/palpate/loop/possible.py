@@ -18,7 +18,7 @@ OF_THE_SIZE = 0.1  # of the largest part
 
 def impossible(reply: Reply, start: Array, end: Array, *, settings: Settings) -> str | None:
     """Why a reply can't be of the move from `start` to `end`; None: it can."""
-    path_error = settings.sensor.path_error
+    path_error = settings.moved.path_error
     size = max(model.size for model in settings.models)
     slack = settings.sensor.position_error + path_error + settings.margin * size
     if isinstance(reply, Hit):

@@ -13,6 +13,7 @@ import numpy as np
 
 from palpate._core import Contact, Hypothesis, Miss, Sensor, refuting_moves
 from palpate.loop.result import Array
+from palpate.loop.wander import path_error_of
 from palpate.probe import Hit, Reply, Skid
 
 # Of a part's size, and radians; rounding and images of nearly symmetric parts are off by less.
@@ -29,7 +30,8 @@ def refuted(
     Args:
         hypotheses: What recognition left.
         moves: Start, end and reply of each guarded move. What is no reading refutes nothing.
-        sensor: The path error is its own; the other bounds are those of each reading.
+        sensor: The path error is its own, or, if it states none, the position error; the other bounds are
+            those of each reading.
     """
     if not hypotheses:
         return {}
@@ -56,7 +58,7 @@ def _touched(start: Array, end: Array, contact: Contact, *, sensor: Sensor, gran
         None if normal_error is None else min(normal_error + GRANTED, np.pi / 2),
         sensor.max_incidence,
         contact.tip_radius,
-        sensor.path_error + granted,
+        path_error_of(sensor, contact.position_error) + granted,
     )
     return start, end - start, float(np.hypot(*(end - start))) + granted, felt, contact
 
@@ -72,6 +74,6 @@ def _passed(free: Miss, *, sensor: Sensor, granted: float) -> _Move | None:
         sensor.normal_error,
         sensor.max_incidence,
         free.tip_radius,
-        max(sensor.path_error, free.path_error) + granted,
+        max(path_error_of(sensor), free.path_error) + granted,
     )
     return free.start, way, length, felt, None

@@ -123,7 +123,8 @@ class Result:
     """How it ended.
 
     `"solved"`: one hypothesis is left. `"inseparable"`: no path tells those left apart. `"no_usable_path"`:
-    none can be used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short. `"unexplained"`: no
+    none can be used. `"budget"`: `max_touches`, `effort` or `time_limit` cut it short, or touches for `until`
+    made the poses no tighter. `"unexplained"`: no
     model explains all that was met; after a skid on a planned path `hypotheses` are those that it
     contradicts. `"nothing_found"`: no contact was made. `"fault"`: the probe can't go on. `"interrupted"`:
     the log has no end.

@@ -21,11 +21,13 @@ from palpate._core import (
 from palpate.loop.acquire import FINER, Scans, enough, smallest_width
 from palpate.loop.entries import planned_event, recognized_event
 from palpate.loop.journal import Interrupted, Journal
-from palpate.loop.planning import is_promising, next_path
+from palpate.loop.planning import HARDLY_ANY, is_promising, next_path
 from palpate.loop.refuted import refuted
 from palpate.loop.result import Array, Found, Purpose, Result, Status, Step
 from palpate.loop.settings import Settings
+from palpate.loop.tightness import PATIENCE, Tightness
 from palpate.loop.tour import Tour
+from palpate.loop.wander import as_swept, path_error_of
 from palpate.probe import AlreadyTouching, Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
 
 
@@ -56,11 +58,13 @@ class Run:
         self._tour = Tour(settings, probe, journal, position=position)
         self._told = told or (lambda step: None)
         self._contacts: list[Contact] = list(settings.contacts)
-        self._misses: list[Miss] = [*settings.border, *settings.misses]
+        self._misses: list[Miss] = settings.known
         self._steps: list[Step] = []
         self._num_told = 0
         self._found: Found | None = None
+        self._tightness = None if settings.until is None else Tightness(settings.until)
         self._seconds = {"recognition": 0.0, "planning": 0.0}
+        self._spent = 0.0  # seconds on the last recognition
         self._width = smallest_width(settings.models)
         self._scans = Scans(settings.workspace, self._width / FINER, settings.directions)
 
@@ -71,7 +75,7 @@ class Run:
             self._conclude(end)
         except Interrupted:
             end = _Ended("interrupted", "the log ends here")
-        until, left = self._settings.until, [] if self._found is None else self._found.hypotheses
+        tightness, left = self._tightness, [] if self._found is None else self._found.hypotheses
         return Result(
             end.status,
             end.reason,
@@ -80,7 +84,7 @@ class Run:
             self._contacts,
             self._misses,
             self._steps,
-            until_met=None if until is None else len(left) == 1 and _is_tight(left[0], until),
+            until_met=None if tightness is None else len(left) == 1 and tightness.reached(left[0]),
             travel=self._tour.travel,
             recognition_time=self._seconds["recognition"],
             planning_time=self._seconds["planning"],
@@ -147,7 +151,8 @@ class Run:
         )
         moves = [(step.start, step.end, step.reply) for step in self._steps]
         found = Found(recognition, refuted(recognition.hypotheses, moves, settings.sensor))
-        self._seconds["recognition"] += time.perf_counter() - began
+        self._spent = time.perf_counter() - began
+        self._seconds["recognition"] += self._spent
         self._found = found
         self._journal.record(recognized_event(found))
         if self._steps:
@@ -173,11 +178,14 @@ class Run:
 
     def _verify(self, last: Hypothesis) -> None:
         """Touch the last hypothesis until its poses are tight enough."""
-        settings = self._settings
-        if settings.until is None:
+        if self._tightness is None:
             raise _Ended("solved", "one hypothesis is left")
-        if _is_tight(last, settings.until):
+        if self._tightness.reached(last):
             raise _Ended("solved", "one hypothesis is left, its poses as tight as was asked")
+        if self._tightness.in_vain(last):
+            raise _Ended(
+                "budget", f"one hypothesis is left; the last {PATIENCE} touches made its poses no tighter"
+            )
         began = time.perf_counter()
         path, why = self._plan_verification(last)
         self._seconds["planning"] += time.perf_counter() - began
@@ -194,8 +202,8 @@ class Run:
         if known is None:
             report = verification_report(
                 last,
-                settings.sensor,
-                time_limit=settings.time_limit,
+                settings.moved,
+                time_limit=self._time_left(),
                 effort=settings.effort,
                 **settings.placed,
                 **settings.judged,
@@ -206,7 +214,7 @@ class Run:
         path = None
         if known["path"] is not None:
             line = (known["path"]["start"], known["path"]["direction"])
-            path = verification_path(last, settings.sensor, line=line, **settings.judged)
+            path = verification_path(last, settings.moved, line=line, **settings.judged)
         return path, known["why"]
 
     def _tell_apart(self, hypotheses: list[Hypothesis]) -> None:
@@ -235,15 +243,20 @@ class Run:
         settings = self._settings
         known = self._journal.peek("planned")
         if known is None:
-            report = next_path(hypotheses, settings, self._steps)
+            report = next_path(hypotheses, settings, self._steps, time_limit=self._time_left())
             self._journal.record(planned_event(report))
             return report.path, report.why, report.proved
         self._journal.record(known)
         path = None
         if known["path"] is not None:
             line = (known["path"][name] for name in ("start", "direction", "length"))
-            path = judge(hypotheses, settings.sensor, *line, **settings.judged)
+            path = judge(hypotheses, settings.moved, *line, **settings.judged)
         return path, known["why"], known["proved"]
+
+    def _time_left(self) -> float | None:
+        """Of the step, for its planning; None: no limit. Where nothing is left, the search says so."""
+        limit = self._settings.time_limit
+        return None if limit is None else max(HARDLY_ANY, limit - self._spent)
 
     def _touch(self, start: Array, end: Array, *, purpose: Purpose, path: Path | None = None) -> Reply:
         """The tip goes there and makes the guarded move; what it says is evidence."""
@@ -276,9 +289,9 @@ class Run:
     def _take(self, reply: Reply, start: Array, end: Array) -> None:
         """As evidence. An unexpected touch is none: the bounds of readings don't hold for free moves."""
         if isinstance(reply, Miss):
-            self._misses.append(reply)
+            self._misses.append(as_swept(reply, self._settings.sensor))
         elif isinstance(reply, Skid):
-            self._misses.append(reply.free)
+            self._misses.append(as_swept(reply.free, self._settings.sensor))
         elif isinstance(reply, Hit):
             self._contacts.append(reply.contact)
             if reply.contact.start is None:
@@ -288,16 +301,8 @@ class Run:
         """The free way before a contact that says nothing of it, to within the path error."""
         direction = (end - start) / np.hypot(*(end - start))
         free = max(0.0, float(direction @ (contact.center - start)) - contact.position_error)
-        path_error = self._settings.sensor.path_error
+        path_error = path_error_of(self._settings.sensor, contact.position_error)
         return Miss(start, start + free * direction, tip_radius=contact.tip_radius, path_error=path_error)
-
-
-def _is_tight(last: Hypothesis, until: tuple[float, float]) -> bool:
-    translation, rotation = until
-    poses = last.poses
-    return poses.rotation_bound <= rotation and all(
-        poses.excursion(vertex) <= translation for vertex in last.model.vertices
-    )
 
 
 def _reason(reply: Reply) -> str:

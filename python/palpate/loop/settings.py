@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from palpate._core import Contact, Miss, Model, Prior, Sensor
 from palpate.contacts.entry import mm_per
 from palpate.loop.route import Array, workspace_of
+from palpate.loop.wander import as_swept, wandering
 
 MAX_TOUCHES = 200
 MAX_HYPOTHESES = 1000
@@ -44,6 +45,16 @@ class Settings:
     unit: str
 
     @property
+    def moved(self) -> Sensor:
+        """The sensor with a path error: if it states none, its position error."""
+        return wandering(self.sensor)
+
+    @property
+    def known(self) -> list[Miss]:
+        """What was swept freely before the first move: the border, and the misses that were given."""
+        return [*self.border, *(as_swept(miss, self.sensor) for miss in self.misses)]
+
+    @property
     def judged(self) -> dict[str, Any]:
         """What a judge is to know."""
         return {"features": self.features, "margin": self.margin, "seed": self.seed}
@@ -56,14 +67,18 @@ class Settings:
     @property
     def searched(self) -> dict[str, Any]:
         """How a planner searches, but for how long."""
-        return {"planner": self.planner, "stop": self.stop, "time_limit": self.time_limit}
+        return {"planner": self.planner, "stop": self.stop}
 
     @property
     def border(self) -> list[Miss]:
-        """The perimeter of the workspace, which is assumed to be unoccupied (4.1)."""
+        """The perimeter of the workspace, which is assumed to be unoccupied (4.1).
+
+        However far the tip may leave it, the part is within the workspace.
+        """
         (x0, y0), (x1, y1) = self.workspace
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
-        tip = {"tip_radius": self.sensor.tip_radius, "path_error": self.sensor.path_error}
+        radius = self.sensor.tip_radius
+        tip = {"tip_radius": radius, "path_error": min(self.moved.path_error, radius)}
         return [Miss(a, b, **tip) for a, b in pairwise(corners)]
 
 
@@ -87,6 +102,7 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
         if name != "blind" or given[name] is not None:
             _check_whole(name, given[name], 1)
     _check_whole("seed", given["seed"], 0)
+    given["time_limit"] = _time_limit(given["time_limit"])
     if isinstance(given["stop"], list):
         given["stop"] = tuple(given["stop"])
     given["until"] = _until(given["until"])
@@ -110,6 +126,16 @@ def _check_whole(name: str, value: Any, least: int) -> None:
         raise ValueError(
             f"{name}: must be a whole number, {least} or more (got {value!r}); give an int in range"
         )
+
+
+def _time_limit(value: Any) -> float | None:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        raise ValueError(
+            f"time_limit: must be above zero and finite (got {value!r}); give seconds, or leave it out"
+        )
+    return value
 
 
 def _features(value: Any) -> list[str] | None:

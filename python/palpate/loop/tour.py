@@ -35,7 +35,7 @@ class Tour:
         self._workspace = settings.workspace
         self._slack = (
             settings.sensor.position_error
-            + settings.sensor.path_error
+            + settings.moved.path_error
             + settings.margin * max(model.size for model in settings.models)
         )
         self._probe = probe
