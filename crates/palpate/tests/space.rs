@@ -114,10 +114,9 @@ fn check(number: usize, models: &[Arc<Model>], evidence: &Evidence<DVec3>, pose:
     let kept = found.hypotheses.iter().any(|one| one.model_number == 0 && one.poses.contains(pose));
     assert!(
         kept,
-        "problem {number}: the truth is lost among {} {} {}",
+        "problem {number}: the truth is lost among {} hypotheses, complete: {}",
         found.hypotheses.len(),
-        found.complete,
-        found.reports[0].num_boxes
+        found.complete
     );
     for one in &found.hypotheses {
         if found.complete {

@@ -150,11 +150,6 @@ impl PoseSet {
         self.witnesses().any(|witness| witness.undecided)
     }
 
-    /// Whether no witness is known to be valid.
-    fn undecided_alone(&self) -> bool {
-        self.witnesses().all(|witness| witness.undecided)
-    }
-
     /// Whether every witness needs the tolerance τ.
     #[must_use]
     pub fn marginal(&self) -> bool {
@@ -187,12 +182,13 @@ impl PoseSet {
     pub fn sample(&self, count: usize, seed: u64) -> Vec<Pose> {
         let mut rng = fastrand::Rng::with_seed(seed);
         let (length, angle) = (self.case.length_tolerance, self.case.angle_tolerance);
+        let none_decided = self.witnesses().all(|witness| witness.undecided);
         let started: Vec<(usize, PivotPose)> = self
             .pieces
             .iter()
             .enumerate()
             .filter_map(|(number, piece)| Some((number, piece.witness?)))
-            .filter(|(_, witness)| !witness.undecided || self.undecided_alone())
+            .filter(|(_, witness)| !witness.undecided || none_decided)
             .map(|(number, witness)| (number, witness.pose))
             .collect();
         let mut walks = started.clone();
