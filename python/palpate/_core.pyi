@@ -514,6 +514,8 @@ def recognize(
     prior: Prior | None = None,
     tolerance: float = 1e-6,
     max_hypotheses: int = 1000,
+    time_limit: float | None = None,
+    effort: int | None = None,
 ) -> Recognition:
     """Every model and pose that explains all contacts, keeps clear of all misses, and agrees with the prior (chapter 2).
 
@@ -530,6 +532,9 @@ def recognize(
         prior: What is known of the pose beforehand.
         tolerance: A pose is valid if it is within this share of the part's size; 1e-9 to 0.01.
         max_hypotheses: More than this are not returned, and `Recognition.complete` says so.
+        time_limit: Seconds, after which the answer is what was found by then, and `Recognition.complete` is False.
+        effort: Cells of poses that are examined for one model at most, 1 or more, where contacts allow so many assignments
+            that poses are divided; then `Recognition.complete` is False. None: 2,000,000 in the plane, 50,000 in space.
 
     Returns:
         The answer. That no model explains the contacts is an answer too: `hypotheses` is empty, and `conflict` says why.

@@ -126,16 +126,32 @@ impl Options {
 
     /// When the search, which begins now, must end.
     pub fn deadline(&self) -> Deadline {
-        #[expect(clippy::disallowed_methods, reason = "the caller's time limit")]
-        Deadline(self.time_limit.map(|limit| Instant::now() + limit))
+        Deadline::after(self.time_limit)
     }
 }
+
+/// Past its deadline, a call looks so often whether the work has ended.
+const LEAST_PAUSE: Duration = Duration::from_millis(1);
 
 /// When a search must end, if at all.
 #[derive(Clone, Copy)]
 pub(crate) struct Deadline(Option<Instant>);
 
 impl Deadline {
+    pub const NEVER: Self = Self(None);
+
+    /// So long after now, if it is given.
+    pub fn after(limit: Option<Duration>) -> Self {
+        #[expect(clippy::disallowed_methods, reason = "the caller's time limit")]
+        Self(limit.map(|limit| Instant::now() + limit))
+    }
+
+    /// What is left until then, but no more than `most`.
+    pub fn left(self, most: Duration) -> Duration {
+        #[expect(clippy::disallowed_methods, reason = "the caller's time limit")]
+        self.0.map_or(most, |end| end.saturating_duration_since(Instant::now()).clamp(LEAST_PAUSE, most))
+    }
+
     pub fn passed(self) -> bool {
         #[expect(clippy::disallowed_methods, reason = "the caller's time limit")]
         self.0.is_some_and(|end| Instant::now() >= end)
@@ -227,7 +243,7 @@ fn ends<'py>(argument: &str, value: &Any<'py>) -> PyResult<[Any<'py>; 2]> {
     ends.try_into().map_err(|_| refuse(argument, "must be a start and a direction", value, remedy))
 }
 
-fn time_limit(value: &Any<'_>) -> PyResult<Duration> {
+pub(crate) fn time_limit(value: &Any<'_>) -> PyResult<Duration> {
     let seconds = number("time_limit", value)?;
     if seconds > 0.0 && seconds.is_finite() {
         return Ok(Duration::from_secs_f64(seconds.min(LONGEST)));

@@ -14,8 +14,9 @@ use crate::dimension::{AnyRecognition, In, Side, Vector};
 use crate::evidence::{PyMiss, PyPrior};
 use crate::hypothesis::PyHypothesis;
 use crate::interpretations::PyInterpretations;
-use crate::interrupt::interruptible;
+use crate::interrupt::interruptible_until;
 use crate::model::PyModel;
+use crate::options::{Deadline, time_limit as seconds};
 
 type Any<'py> = Bound<'py, PyAny>;
 
@@ -30,8 +31,8 @@ pub(crate) struct PyRecognition {
 #[doc = doc!("recognize")]
 #[pyfunction]
 #[pyo3(
-    signature = (models, contacts, *, features=None, misses=None, prior=None, tolerance=None, max_hypotheses=None),
-    text_signature = "(models, contacts, *, features=None, misses=(), prior=None, tolerance=1e-06, max_hypotheses=1000)"
+    signature = (models, contacts, *, features=None, misses=None, prior=None, tolerance=None, max_hypotheses=None, time_limit=None, effort=None),
+    text_signature = "(models, contacts, *, features=None, misses=(), prior=None, tolerance=1e-06, max_hypotheses=1000, time_limit=None, effort=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "Python's keyword arguments")]
 pub(crate) fn recognize(
@@ -43,7 +44,10 @@ pub(crate) fn recognize(
     prior: Option<&Any<'_>>,
     tolerance: Option<&Any<'_>>,
     max_hypotheses: Option<&Any<'_>>,
+    time_limit: Option<&Any<'_>>,
+    effort: Option<&Any<'_>>,
 ) -> PyResult<PyRecognition> {
+    let deadline = Deadline::after(time_limit.map(seconds).transpose()?);
     let given = Given {
         models: all("models", models, "Model", "give a list, as load_models does")?,
         contacts: all("contacts", contacts, "Contact", "give a list of palpate.Contact")?,
@@ -52,8 +56,13 @@ pub(crate) fn recognize(
         prior: prior.map(one_prior).transpose()?,
     };
     let in_space = given.dimension() == DVec3::DIMENSION;
-    let settings = settings(features, in_space, tolerance, max_hypotheses)?;
-    if in_space { given.recognize::<DVec3>(py, &settings) } else { given.recognize::<DVec2>(py, &settings) }
+    let mut settings = settings(features, in_space, tolerance, max_hypotheses)?;
+    settings.effort = effort.map(|effort| whole("effort", effort, 1)).transpose()?;
+    if in_space {
+        given.recognize::<DVec3>(py, &settings, deadline)
+    } else {
+        given.recognize::<DVec2>(py, &settings, deadline)
+    }
 }
 
 /// What is to be recognized, of the plane or of space.
@@ -72,7 +81,12 @@ impl Given<'_> {
         of_models.or_else(of_contacts).unwrap_or(DVec2::DIMENSION)
     }
 
-    fn recognize<V: Vector>(&self, py: Python<'_>, settings: &Settings) -> PyResult<PyRecognition> {
+    fn recognize<V: Vector>(
+        &self,
+        py: Python<'_>,
+        settings: &Settings,
+        deadline: Deadline,
+    ) -> PyResult<PyRecognition> {
         let models = sorted::<V, _, _, _>("models", &self.models, |one| &one.model)?;
         let evidence = Evidence::<V> {
             contacts: sorted::<V, _, _, _>("contacts", &self.contacts, |one| &one.0)?,
@@ -83,8 +97,10 @@ impl Given<'_> {
                 .map(|prior| of::<V, _, _, _>("prior", prior, |one| &one.0))
                 .transpose()?,
         };
-        let found = interruptible(py, |halt| palpate::recognize_until(&models, &evidence, settings, halt))?
-            .map_err(raise)?;
+        let found = interruptible_until(py, deadline, |halt| {
+            palpate::recognize_until(&models, &evidence, settings, halt)
+        })?
+        .map_err(raise)?;
         PyRecognition::new(py, found, &self.models)
     }
 }

@@ -66,6 +66,8 @@ pub trait Dimension:
 pub trait Poses<V: Dimension>: Debug + Clone + Send + Sync {
     /// Whether every witness needs the tolerance τ.
     fn marginal(&self) -> bool;
+    /// Whether a pose is known that explains every contact: not if the search was given up before it was decided.
+    fn proved(&self) -> bool;
     /// The pose at which the worst reading uses the smallest share of its bounds.
     fn largest_slack(&self) -> V::Pose;
     /// How many assignments it has.
@@ -122,7 +124,8 @@ impl Dimension for DVec2 {
         stop: &Halt,
     ) -> Explanations {
         let tables = model.feature_tables(settings.faces, settings.vertices(evidence));
-        plane::explain(plane::Case::new(model, evidence, settings.tolerance).until(stop), tables)
+        let case = plane::Case::new(model, evidence, settings.tolerance).until(stop, settings.effort);
+        plane::explain(case, tables)
     }
 }
 

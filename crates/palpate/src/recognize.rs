@@ -8,7 +8,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::contact::GRAZING;
-use crate::dimension::Dimension;
+use crate::dimension::{Dimension, Poses};
 use crate::hypothesis::{Count, Hypothesis};
 use crate::tree::Counters;
 use crate::{Error, Evidence};
@@ -29,11 +29,13 @@ pub struct Settings {
     pub tolerance: f64,
     /// More hypotheses than this are counted, not returned.
     pub max_hypotheses: usize,
+    /// Cells of poses examined for one model at most; `None`: what the plane and space have each.
+    pub effort: Option<u64>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { faces: true, edges: None, vertices: None, tolerance: 1e-6, max_hypotheses: 1000 }
+        Self { faces: true, edges: None, vertices: None, tolerance: 1e-6, max_hypotheses: 1000, effort: None }
     }
 }
 
@@ -153,6 +155,9 @@ pub fn recognize_until<V: Dimension>(
             model_number,
             poses,
         }));
+    }
+    if stop.load(Relaxed) {
+        hypotheses.retain(|one: &Hypothesis<V>| one.poses.proved());
     }
     complete &= hypotheses.len() <= settings.max_hypotheses;
     hypotheses.truncate(settings.max_hypotheses);

@@ -79,6 +79,8 @@ pub(crate) struct Case {
     /// Bounds every coordinate that occurs; rounding is measured in it.
     pub scale: f64,
     stop: Halt,
+    /// Boxes of poses that are examined at most, if that is given.
+    pub effort: Option<u64>,
 }
 
 /// Outward rounding: computed bounds are wider by this share of the scale, some 10⁴ units of rounding.
@@ -119,12 +121,13 @@ impl Case {
             angle_tolerance: 0.5 * tolerance,
             scale,
             stop: Halt::default(),
+            effort: None,
         }
     }
 
-    /// The same case, whose searches are given up when `stop` is set.
-    pub fn until(self, stop: &Halt) -> Self {
-        Self { stop: Halt::clone(stop), ..self }
+    /// The same case, whose searches are given up when `stop` is set, and divide no more boxes than `effort`.
+    pub fn until(self, stop: &Halt, effort: Option<u64>) -> Self {
+        Self { stop: Halt::clone(stop), effort, ..self }
     }
 
     /// Whether searches are to be given up.

@@ -104,7 +104,7 @@ impl Subdivision {
         let mut stack = vec![(bundle.cell, options)];
         while let Some((cell, options)) = stack.pop() {
             self.examined += 1;
-            if self.examined > MOST_BOXES || case.stopped() {
+            if self.examined > case.effort.unwrap_or(MOST_BOXES) || case.stopped() {
                 // Kept as it is, so that nothing true is lost.
                 self.complete = false;
                 self.dense.push(Bundle::new(cell, &options));

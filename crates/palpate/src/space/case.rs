@@ -15,7 +15,7 @@ use super::prior::Prior;
 use super::site::{Reading, Site, angle};
 use crate::contact::{Contact, Evidence};
 use crate::feature::Feature;
-use crate::recognize::Halt;
+use crate::recognize::{Halt, Settings};
 use crate::sweep::Sweep;
 
 /// A pose as the rotation into the model's frame and the model point at the pivot.
@@ -61,6 +61,8 @@ pub(crate) struct Case {
     /// Bounds every coordinate that occurs; rounding is measured in it.
     pub scale: f64,
     stop: Halt,
+    /// Cells of poses that are examined at most, if that is given.
+    pub effort: Option<u64>,
 }
 
 /// Outward rounding: computed bounds are wider by this share of the scale, some 10⁴ units of rounding.
@@ -70,8 +72,13 @@ const OUTWARD: f64 = 1e-12;
 const ROUNDING: f64 = 1e-10;
 
 impl Case {
-    /// `tolerance` is relative to the part's size.
-    pub fn new(model: &Shared<Model>, evidence: &Evidence<DVec3>, tolerance: f64, stop: &Halt) -> Self {
+    pub fn new(
+        model: &Shared<Model>,
+        evidence: &Evidence<DVec3>,
+        settings: &Settings,
+        stop: &Halt,
+    ) -> Self {
+        let tolerance = settings.tolerance;
         let pivot = middle(&evidence.contacts);
         // Without a prior one assignment stands for all that the symmetries take it to, up to what they miss.
         let (miss, turn) = if evidence.prior.is_none() { model.asymmetry } else { (0.0, 0.0) };
@@ -94,6 +101,7 @@ impl Case {
             angle_tolerance: 0.5 * tolerance,
             scale,
             stop: Halt::clone(stop),
+            effort: settings.effort,
         }
     }
 

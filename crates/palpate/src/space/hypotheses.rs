@@ -35,7 +35,7 @@ pub(crate) fn explain(
     settings: &Settings,
     stop: &Halt,
 ) -> Explanations<DVec3> {
-    let case = Shared::new(Case::new(model, evidence, settings.tolerance, stop));
+    let case = Shared::new(Case::new(model, evidence, settings, stop));
     let mut counters = Counters::default();
     let nothing = Explanations { hypotheses: Vec::new(), counters, num_boxes: 0, complete: true };
     if !case.data.iter().all(consistent) {

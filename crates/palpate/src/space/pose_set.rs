@@ -382,6 +382,10 @@ impl Poses<DVec3> for PoseSet {
         self.marginal()
     }
 
+    fn proved(&self) -> bool {
+        self.witnesses().any(|witness| !witness.undecided)
+    }
+
     fn largest_slack(&self) -> Pose {
         self.largest_slack()
     }
