@@ -8,15 +8,21 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec3};
 
 use super::case::{Case, PivotPose};
-use super::linear::{Cut, WIDTH, left_jacobian, row};
-use super::lp::{self, Row};
+use super::linear::{Cut, WIDTH, left_jacobian};
+use super::lp::{Program, Row};
 use super::pose::{Pose, rotation, vector};
 use super::site::{Site, angle};
 use crate::feature::Feature;
 use crate::sweep::Sweep;
 
-/// The largest share that is asked for.
-const MOST_SHARE: f64 = 1e3;
+/// The largest share that is asked for: all that a bound leaves is 1.
+const MOST_SHARE: f64 = 2.0;
+
+/// A turn and a shift within a cell.
+const MOTIONS: usize = WIDTH - 1;
+
+/// The linear conditions of a cell, for its extent one way and another.
+pub(super) type Extent = Program<MOTIONS>;
 
 /// Above this radius, radians, the linear conditions say too little.
 const WIDEST: f64 = 1.2;
@@ -215,16 +221,18 @@ impl Cell {
             })
     }
 
-    fn half_widths(&self, share: f64) -> [f64; WIDTH] {
+    fn half_widths(&self) -> [f64; MOTIONS] {
         let (v, y) = (self.v_half, self.y_half);
-        [v.x, v.y, v.z, y.x, y.y, y.z, share]
+        [v.x, v.y, v.z, y.x, y.y, y.z]
     }
 
     /// The pose in which the worst bound is left the most of, to first order; `None`: there is certainly no valid pose.
     pub fn candidate(&self, rows: &[Row<WIDTH>]) -> Option<PivotPose> {
         let mut objective = [0.0; WIDTH];
         objective[WIDTH - 1] = 1.0;
-        let optimum = lp::maximize(&objective, rows, &self.half_widths(MOST_SHARE));
+        let [a, b, c, d, e, f] = self.half_widths();
+        let half = [a, b, c, d, e, f, MOST_SHARE];
+        let optimum = Program::new(rows.iter().copied(), half).maximize(&objective);
         (optimum.bound >= 0.0).then(|| self.at(optimum.point))
     }
 
@@ -234,19 +242,23 @@ impl Cell {
         PivotPose { rotation: rotation(self.v + d) * self.base, y: self.y + y }
     }
 
-    /// No valid pose of the cell has more of `about·d + direction·(y − y₀)`.
-    pub fn most(&self, rows: &[Row<WIDTH>], about: DVec3, direction: DVec3) -> f64 {
-        let objective = row(about, direction, 0.0, 0.0).normal;
-        lp::maximize(&objective, rows, &self.half_widths(0.0)).bound
+    /// The rows, for `most`.
+    pub fn extent(&self, rows: &[Row<WIDTH>]) -> Extent {
+        let motions = |row: &Row<WIDTH>| Row {
+            normal: std::array::from_fn(|j| row.normal[j]),
+            bound: row.bound,
+        };
+        Program::new(rows.iter().map(motions), self.half_widths())
     }
 
     /// Shrinks the box to what the rows leave; `false` if that is nothing.
     pub fn contract(&mut self, rows: &[Row<WIDTH>]) -> bool {
+        let mut extent = self.extent(rows);
         let (mut v, mut v_half) = (self.v, self.v_half);
         let (mut y, mut y_half) = (self.y, self.y_half);
         for (k, axis) in DVec3::AXES.into_iter().enumerate() {
-            let turns = [axis, -axis].map(|axis| self.most(rows, axis, DVec3::ZERO));
-            let shifts = [axis, -axis].map(|axis| self.most(rows, DVec3::ZERO, axis));
+            let turns = [axis, -axis].map(|axis| most(&mut extent, axis, DVec3::ZERO));
+            let shifts = [axis, -axis].map(|axis| most(&mut extent, DVec3::ZERO, axis));
             for ([high, low], middle, half) in
                 [(turns, &mut v[k], &mut v_half[k]), (shifts, &mut y[k], &mut y_half[k])]
             {
@@ -364,6 +376,11 @@ impl Cell {
     fn apart(&self, other: &Self, turn: DMat3) -> f64 {
         super::pose::angle(turn * other.rotation().transpose()) - self.radius() - other.radius()
     }
+}
+
+/// No valid pose of the cell of an extent has more of `about·d + direction·(y − y₀)`.
+pub(super) fn most(extent: &mut Extent, about: DVec3, direction: DVec3) -> f64 {
+    extent.maximize(&[about.x, about.y, about.z, direction.x, direction.y, direction.z]).bound
 }
 
 /// How far a unit lever moves when turned.

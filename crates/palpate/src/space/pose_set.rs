@@ -7,7 +7,7 @@ use std::sync::{Arc as Shared, OnceLock};
 use glam::DVec3;
 
 use super::case::{Case, PivotPose};
-use super::cell::{Cell, Conditions};
+use super::cell::{Cell, Conditions, Extent, most};
 use super::model::{Model, Symmetry};
 use super::pose::{self, Pose};
 use super::site::Site;
@@ -255,17 +255,15 @@ impl PoseSet {
             }
         }
         if let Some(base) = self.common_chart() {
-            let extents = directions().map(|axis| {
-                self.width(|cell, rows| {
+            let mut extents = self.extents();
+            let widths = directions().map(|axis| {
+                width(&mut extents, |cell, extent| {
                     // Axis and angle shorten no way: the rotations differ by no more than their vectors.
-                    (
-                        axis.dot(cell.v - base),
-                        cell.most(rows, axis, DVec3::ZERO),
-                        cell.most(rows, -axis, DVec3::ZERO),
-                    )
+                    let ends = [axis, -axis].map(|axis| most(extent, axis, DVec3::ZERO));
+                    (axis.dot(cell.v - base), ends)
                 })
             });
-            largest = largest.min(extents.fold(0.0, f64::max) / FARTHEST.cos());
+            largest = largest.min(widths.fold(0.0, f64::max) / FARTHEST.cos());
         }
         largest.min(PI)
     }
@@ -274,16 +272,16 @@ impl PoseSet {
     #[must_use]
     pub fn excursion(&self, point_model: DVec3) -> f64 {
         let Some(base) = self.cells().iter().flatten().next().map(Cell::rotation) else { return 0.0 };
+        let mut extents = self.extents();
         let widest = directions().map(|axis| {
-            self.width(|cell, rows| {
+            width(&mut extents, |cell, extent| {
                 // The point is placed at Sᵀ(m − y) from the pivot; in the frame of the first cell, along the axis:
                 // (S S₀ᵀ axis)·(m − y), bilinear in the turn and the shift.
                 let along = cell.rotation() * base.transpose() * axis;
                 let offset = point_model - cell.y;
                 let (about, loose) = cell.turned(along, offset);
-                let high = cell.most(rows, about, -along) + loose;
-                let low = cell.most(rows, -about, along) + loose;
-                (along.dot(offset), high, low)
+                let ends = [1.0, -1.0].map(|sign| most(extent, sign * about, -sign * along) + loose);
+                (along.dot(offset), ends)
             })
         });
         let bound = widest.fold(0.0, f64::max) / FARTHEST.cos();
@@ -299,28 +297,19 @@ impl PoseSet {
         (few && cells.all(|cell| cell.base == first.base)).then_some(first.v)
     }
 
-    /// The extent of all cells in a direction: `measure` gives the middle of a cell, and how far it reaches either way.
-    fn width(
-        &self,
-        measure: impl Fn(&Cell, &[super::lp::Row<{ super::linear::WIDTH }>]) -> (f64, f64, f64),
-    ) -> f64 {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (piece, cells) in self.pieces.iter().zip(self.cells()) {
+    /// Every cell, with its linear conditions where there are few.
+    fn extents(&self) -> Vec<(&Cell, Extent)> {
+        let of_piece = |(piece, cells): (&Piece, &'_ Vec<Cell>)| {
             let conditions = piece.conditions(&self.case).relaxed();
-            for cell in cells {
-                let rows = if cell.is_narrow() && cells.len() <= FEW_CELLS {
-                    cell.rows(&conditions, false)
-                } else {
-                    Vec::new()
-                };
-                let (middle, up, down) = measure(cell, &rows);
-                if up > f64::NEG_INFINITY && down > f64::NEG_INFINITY {
-                    low = low.min(middle - down);
-                    high = high.max(middle + up);
-                }
-            }
-        }
-        (high - low).max(0.0)
+            let few = cells.len() <= FEW_CELLS;
+            let rows = |cell: &Cell| {
+                if few && cell.is_narrow() { cell.rows(&conditions, false) } else { Vec::new() }
+            };
+            cells.iter().map(|cell| cell.extent(&rows(cell))).collect::<Vec<_>>()
+        };
+        let cells = self.cells();
+        let extents = self.pieces.iter().zip(cells).flat_map(of_piece);
+        cells.iter().flatten().zip(extents).collect()
     }
 
     /// The poses of one of its assignments, alone.
@@ -437,6 +426,22 @@ fn farthest(a: &Cell, b: &Cell) -> f64 {
         return apart.min(((a.v - b.v).abs() + a.v_half + b.v_half).length());
     }
     apart
+}
+
+/// The extent of all cells in a direction: `measure` gives the middle of a cell, and how far it reaches either way.
+fn width(
+    extents: &mut [(&Cell, Extent)],
+    measure: impl Fn(&Cell, &mut Extent) -> (f64, [f64; 2]),
+) -> f64 {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (cell, extent) in extents {
+        let (middle, [up, down]) = measure(cell, extent);
+        if up > f64::NEG_INFINITY && down > f64::NEG_INFINITY {
+            low = low.min(middle - down);
+            high = high.max(middle + up);
+        }
+    }
+    (high - low).max(0.0)
 }
 
 /// Unit directions on half of the sphere, evenly.
