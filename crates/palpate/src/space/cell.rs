@@ -25,7 +25,7 @@ const MOTIONS: usize = WIDTH - 1;
 pub(super) type Extent = Program<MOTIONS>;
 
 /// Above this radius, radians, the linear conditions say too little.
-const WIDEST: f64 = 1.2;
+const WIDEST: f64 = 0.4;
 
 /// A part of pose space.
 #[derive(Debug, Clone)]
@@ -179,12 +179,11 @@ impl Cell {
         let radius = self.radius();
         for ((contact, sites), left) in conditions.sites.iter().zip(&mut self.left) {
             let datum = &case.data[*contact];
-            let place = self.y + turn * datum.lever;
-            let near = datum.bound
-                + conditions.slack
-                + chord(radius) * datum.lever.length()
-                + self.y_half.length()
-                + case.outward();
+            let lever = turn * datum.lever;
+            let place = self.y + lever;
+            let moved =
+                datum.bound + conditions.slack + chord(radius) * datum.lever.length() + case.outward();
+            let near = moved + self.y_half.length();
             let caps = datum.reading.caps(conditions.angle + radius, |axis| turn * axis);
             left.retain(|number| {
                 let site = &sites[*number as usize];
@@ -195,9 +194,18 @@ impl Cell {
                     })
                     && site.distance(place, &caps) <= near
             });
-            if left.is_empty() {
+            // The box that what is left leaves of the model points at the pivot.
+            let (low, high) = left.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), number| {
+                let site = &sites[*number as usize];
+                (low.min(site.low), high.max(site.high))
+            });
+            let low = (low - lever - moved).max(self.y - self.y_half);
+            let high = (high - lever + moved).min(self.y + self.y_half);
+            if left.is_empty() || low.cmpgt(high).any() {
                 return false;
             }
+            self.y = 0.5 * (low + high);
+            self.y_half = 0.5 * (high - low) + 4.0 * f64::EPSILON * (self.y.abs() + self.y_half);
         }
         self.allowed(conditions)
     }

@@ -199,7 +199,7 @@ fn first_cell(conditions: &Conditions<'_>, base: DMat3, v_half: DVec3) -> Cell {
         let datum = &case.data[*contact];
         let lever = base * datum.lever;
         let (low, high) = sites.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), site| {
-            (low.min(site.middle - site.reach), high.max(site.middle + site.reach))
+            (low.min(site.low), high.max(site.high))
         });
         let near = datum.bound
             + conditions.slack

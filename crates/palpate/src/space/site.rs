@@ -22,6 +22,9 @@ pub(crate) struct Site {
     /// A ball around all of it.
     pub middle: DVec3,
     pub reach: f64,
+    /// A box around all of it.
+    pub low: DVec3,
+    pub high: DVec3,
     /// A normal in the middle of its cone, unit.
     pub mean_normal: DVec3,
     /// The angle from its mean normal to the farthest of its cone, radians.
@@ -86,8 +89,10 @@ impl Site {
         let sides = sides.collect();
         let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let reach = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+        let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let shape = Shape::Piece { normal, corners, sides };
-        Self { feature, radius, shape, middle, reach, mean_normal: normal, spread: 0.0 }
+        Self { feature, radius, shape, middle, reach, low, high, mean_normal: normal, spread: 0.0 }
     }
 
     fn edge(feature: Feature, radius: f64, [start, end]: [DVec3; 2], normals: [DVec3; 2]) -> Option<Self> {
@@ -103,7 +108,8 @@ impl Site {
         let (middle, reach) = (0.5 * (start + end), 0.5 * length + radius);
         let (sine, cosine) = (0.5 * width).sin_cos();
         let mean_normal = cosine * first + sine * across;
-        Some(Self { feature, radius, shape, middle, reach, mean_normal, spread: 0.5 * width })
+        let (low, high) = (start.min(end) - radius, start.max(end) + radius);
+        Some(Self { feature, radius, shape, middle, reach, low, high, mean_normal, spread: 0.5 * width })
     }
 
     fn vertex(feature: Feature, radius: f64, point: DVec3, corners: &[DVec3]) -> Self {
@@ -113,7 +119,8 @@ impl Site {
         let shape = Shape::Vertex { point, cone, corners: corners.to_vec() };
         let mean_normal = corners.iter().sum::<DVec3>().try_normalize().unwrap_or(corners[0]);
         let spread = corners.iter().map(|corner| angle(mean_normal, *corner)).fold(0.0, f64::max);
-        Self { feature, radius, shape, middle: point, reach: radius, mean_normal, spread }
+        let (low, high) = (point - radius, point + radius);
+        Self { feature, radius, shape, middle: point, reach: radius, low, high, mean_normal, spread }
     }
 
     /// How far its hull may be from it, where its normals are known to be within `angle` of one.

@@ -10,7 +10,9 @@ use super::case::Case;
 use super::cell::{Cell, Conditions};
 use super::first_cells::first_cells;
 use super::hypotheses::{canonical, sensed};
+use super::pose::Pose;
 use super::pose_set::Piece;
+use super::site::Site;
 use super::solve;
 use super::tables::FeatureTables;
 use crate::feature::Feature;
@@ -112,7 +114,7 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
             let choices: Vec<Vec<Vec<Feature>>> = choices.into_par_iter().filter_map(chosen).collect();
             divide_all(case, &touching, &choices)
         }
-        None => vec![divide(case, &touching, &features, MOST_CELLS)],
+        None => divide_all(case, &touching, &[features]),
     };
     let mut all = Subdivision { complete: true, ..Subdivision::default() };
     for part in parts {
@@ -123,21 +125,27 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
     all
 }
 
-/// Divides each of the choices, first within few cells; those that need more share what is left.
+/// Divides each of the choices, within few cells first; those that need more share what is left, in rounds.
 fn divide_all(case: &Case, touching: &Touching, choices: &[Vec<Vec<Feature>>]) -> Vec<Subdivision> {
-    let within = |most: u64, choice: &Vec<Vec<Feature>>| divide(case, touching, choice, most);
-    let mut parts: Vec<Subdivision> = choices.par_iter().map(|choice| within(LEAST_CELLS, choice)).collect();
-    let spent: u64 = parts.iter().map(|part| part.examined).sum();
-    let unfinished = parts.iter().filter(|part| !part.complete).count() as u64;
-    let most = MOST_CELLS.saturating_sub(spent) / unfinished.max(1);
-    if most > LEAST_CELLS {
-        parts.par_iter_mut().zip(choices).filter(|(part, _)| !part.complete).for_each(|(part, choice)| {
-            let before = part.examined;
-            *part = within(most, choice);
-            part.examined += before;
-        });
+    let begin = |choice: &Vec<Vec<Feature>>| Division::new(case, touching, choice);
+    let mut divisions: Vec<Division<'_>> = choices.par_iter().filter_map(begin).collect();
+    let most = case.effort.unwrap_or(MOST_CELLS);
+    let mut given = LEAST_CELLS;
+    loop {
+        divisions.par_iter_mut().for_each(|division| division.advance(given));
+        let spent: u64 = divisions.iter().map(|division| division.left.examined).sum();
+        let unfinished = divisions.iter().filter(|division| !division.open.is_empty()).count() as u64;
+        if unfinished == 0 || spent >= most || case.stopped() {
+            break;
+        }
+        // Twice as many as before, as long as there are as many.
+        given = (given + (most - spent) / unfinished).min(2 * given).max(given + 1);
     }
-    parts
+    let ended = |division: Division<'_>| Subdivision {
+        complete: division.left.complete && division.open.is_empty(),
+        ..division.left
+    };
+    divisions.into_iter().map(ended).collect()
 }
 
 /// The two contacts whose normals leave the least of the rotations.
@@ -156,54 +164,116 @@ fn best_pair(case: &Case) -> Option<(usize, usize)> {
     best.map(|(_, pair)| pair)
 }
 
-fn divide(case: &Case, touching: &Touching, features: &[Vec<Feature>], most: u64) -> Subdivision {
-    let mut left = Subdivision { complete: true, ..Subdivision::default() };
-    let pairs = features.iter().enumerate().map(|(contact, features)| (contact, features.as_slice()));
-    let Some(conditions) = Conditions::new(case, pairs) else { return left };
-    let reach = conditions.reach();
-    let least = case.data.iter().map(|datum| datum.bound).fold(f64::INFINITY, f64::min);
-    let small = (SMALL * least).max(0.5 * case.length_tolerance);
-    let mut open = first_cells(&conditions);
-    while let Some(cell) = open.pop() {
-        if left.examined >= most || case.stopped() {
-            left.complete = false;
-            break;
+/// A choice of features while it is divided.
+struct Division<'a> {
+    case: &'a Case,
+    touching: &'a Touching,
+    conditions: Conditions<'a>,
+    /// Cells that are still to be examined.
+    open: Vec<Cell>,
+    left: Subdivision,
+}
+
+impl<'a> Division<'a> {
+    /// Nothing, if a contact can't lie on any of its features.
+    fn new(case: &'a Case, touching: &'a Touching, features: &[Vec<Feature>]) -> Option<Self> {
+        let pairs = features.iter().enumerate().map(|(contact, features)| (contact, features.as_slice()));
+        let conditions = Conditions::new(case, pairs)?;
+        let left = Subdivision { complete: true, ..Subdivision::default() };
+        let mut division = Self { case, touching, conditions, open: Vec::new(), left };
+        let first = first_cells(&division.conditions);
+        division.left.examined += first.len() as u64;
+        let contract = |cell: Cell| solve::contracted(&division.conditions, cell);
+        let first: Vec<Cell> = first.into_iter().filter_map(contract).collect();
+        // Balls of many normals overlap: those that hang together are one piece, if what they leave does.
+        for cells in together(first) {
+            if !cells.iter().all(Cell::is_narrow) || !division.settle(&cells, MOST_FOR_WITNESS) {
+                division.open.extend(cells);
+            }
         }
-        left.examined += 1;
-        let Some(cell) = solve::contracted(&conditions, cell) else { continue };
-        let small = cell.motion(reach) <= small;
-        if small || cell.is_narrow() {
-            let features = of_cell(&conditions, &cell);
-            if small || features.iter().all(|features| touching.hang_together(features)) {
-                let mut piece = Piece::new(case, features, None, vec![cell.clone()]);
-                let given = if small { MOST_IN_SMALL } else { MOST_FOR_WITNESS };
-                let mut budget = given;
-                piece.witness = solve::witness_within(&piece.conditions(case), &piece.bounds, &mut budget);
-                left.examined += u64::from(given - budget);
-                match piece.witness {
-                    None => continue,
-                    Some(witness) if small || !witness.undecided => {
-                        left.pieces.push(piece);
-                        continue;
-                    }
-                    Some(_) => {}
+        Some(division)
+    }
+
+    /// Divides until so many cells are examined in all.
+    fn advance(&mut self, most: u64) {
+        let case = self.case;
+        let reach = self.conditions.reach();
+        let least = case.data.iter().map(|datum| datum.bound).fold(f64::INFINITY, f64::min);
+        let small = (SMALL * least).max(0.5 * case.length_tolerance);
+        while self.left.examined < most && !case.stopped() {
+            let Some(cell) = self.open.pop() else { break };
+            let halves = cell.split(reach, false);
+            self.left.examined += 2;
+            for half in halves {
+                let Some(half) = solve::contracted(&self.conditions, half) else { continue };
+                let settled = if half.motion(reach) <= small {
+                    self.settle_small(&half)
+                } else {
+                    half.is_narrow() && self.settle(std::slice::from_ref(&half), MOST_FOR_WITNESS)
+                };
+                if !settled {
+                    self.open.push(half);
                 }
             }
         }
-        open.extend(cell.split(reach, false));
     }
-    left
+
+    /// Whether it is settled what cells hold that hang together: nothing, or a piece whose features hang together.
+    fn settle(&mut self, cells: &[Cell], budget: u32) -> bool {
+        let features = of_cells(&self.conditions, cells);
+        if !features.iter().all(|features| self.touching.hang_together(features)) {
+            return false;
+        }
+        let piece = self.piece(features, cells, budget);
+        let decided = piece.witness.is_none_or(|witness| !witness.undecided);
+        if piece.witness.is_some() && decided {
+            self.left.pieces.push(piece);
+        }
+        decided
+    }
+
+    /// A cell so small is a piece, whatever its features.
+    fn settle_small(&mut self, cell: &Cell) -> bool {
+        let cells = std::slice::from_ref(cell);
+        let piece = self.piece(of_cells(&self.conditions, cells), cells, MOST_IN_SMALL);
+        if piece.witness.is_some() {
+            self.left.pieces.push(piece);
+        }
+        true
+    }
+
+    fn piece(&mut self, features: Vec<Vec<Feature>>, cells: &[Cell], budget: u32) -> Piece {
+        let mut piece = Piece::new(self.case, features, None, cells.to_vec());
+        let mut left = budget;
+        piece.witness = solve::witness_within(&piece.conditions(self.case), &piece.bounds, &mut left);
+        self.left.examined += u64::from(budget - left);
+        piece
+    }
 }
 
-/// The features whose sites are left in a cell, in increasing order.
-fn of_cell(conditions: &Conditions<'_>, cell: &Cell) -> Vec<Vec<Feature>> {
-    let of_contact = |((_, sites), left): (&(usize, Vec<super::site::Site>), &Vec<u32>)| {
-        let mut features: Vec<Feature> = left.iter().map(|number| sites[*number as usize].feature).collect();
+/// Cells in groups that touch.
+fn together(cells: Vec<Cell>) -> Vec<Vec<Cell>> {
+    let mut groups = Groups::new(cells.len());
+    for (k, a) in cells.iter().enumerate() {
+        for (j, b) in cells[..k].iter().enumerate() {
+            if groups.root(j) != groups.root(k) && a.meets(b, Pose::IDENTITY, 0.0, 0.0) {
+                groups.unite(j, k);
+            }
+        }
+    }
+    groups.collect(cells.into_iter())
+}
+
+/// The features whose sites are left in some cell, in increasing order.
+fn of_cells(conditions: &Conditions<'_>, cells: &[Cell]) -> Vec<Vec<Feature>> {
+    let of_condition = |(condition, (_, sites)): (usize, &(usize, Vec<Site>))| {
+        let left = cells.iter().flat_map(|cell| &cell.left[condition]);
+        let mut features: Vec<Feature> = left.map(|number| sites[*number as usize].feature).collect();
         features.sort_unstable();
         features.dedup();
         features
     };
-    conditions.sites.iter().zip(&cell.left).map(of_contact).collect()
+    conditions.sites.iter().enumerate().map(of_condition).collect()
 }
 
 /// Which features have a corner in common.
