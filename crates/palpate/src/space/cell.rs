@@ -18,6 +18,9 @@ use crate::sweep::Sweep;
 /// The largest share that is asked for: all that a bound leaves is 1.
 const MOST_SHARE: f64 = 2.0;
 
+/// Chart coordinates of a rotation are right to this, radians.
+const TURN_ROUNDING: f64 = 1e-9;
+
 /// A turn and a shift within a cell.
 const MOTIONS: usize = WIDTH - 1;
 
@@ -295,7 +298,7 @@ impl Cell {
 
     /// The same cell with more around it, and such sites.
     pub fn widened(&self, length: f64, turn: f64, left: Vec<Vec<u32>>) -> Self {
-        Self { v_half: self.v_half + turn, y_half: self.y_half + length, left, ..self.clone() }
+        Self { v_half: self.v_half + turn + TURN_ROUNDING, y_half: self.y_half + length, left, ..self.clone() }
     }
 
     /// In another chart, a cell that holds it; `None` if its rotations are too far from there.
@@ -339,7 +342,7 @@ impl Cell {
         let v = self.coordinates(pose.rotation);
         // The same rotation the other way round: near half a turn, either may be in the box.
         let other = v - v.normalize_or_zero() * TAU;
-        [v, other].iter().any(|v| (*v - self.v).abs().cmple(self.v_half + turn + 1e-9).all())
+        [v, other].iter().any(|v| (*v - self.v).abs().cmple(self.v_half + turn + TURN_ROUNDING).all())
             && (pose.y - self.y).abs().cmple(self.y_half + length).all()
     }
 

@@ -41,7 +41,8 @@ pub(super) fn first_cells(conditions: &Conditions<'_>) -> Vec<Cell> {
         conditions.sites.iter().filter_map(|one| of_contact(conditions, one)).collect();
     let prior = conditions.case.prior.map(|prior| {
         let tilt = prior.lying.map_or(0.0, |lying| lying.tilt);
-        let radius = (prior.rotation + tilt + conditions.angle).min(PI);
+        // Tilt and turn are each allowed the tolerance.
+        let radius = (prior.rotation + tilt + 2.0 * conditions.angle).min(PI);
         (prior.world_from_model.rotation.transpose(), radius)
     });
     let prior = prior.filter(|(_, radius)| *radius < PI);
@@ -182,13 +183,19 @@ fn spins(conditions: &Conditions<'_>, reading: DVec3, cap: Cap, error: f64) -> V
     let along = stretch * 2.0 * (0.5 * half).sin() + 1e-9;
     // The chart is turned so that its first axis is the normal.
     let align = DMat3::from_quat(glam::DQuat::from_rotation_arc(reading, normal));
-    let size = normal.abs() * along + (DVec3::ONE - normal * normal).map(f64::sqrt) * across;
+    let size = around_cylinder(normal, along, across);
     (0..NUM_SPINS)
         .map(|k| {
             let turn = pose::rotation(normal * (f64::from(2 * k) * half)) * align;
             first_cell(conditions, turn, size)
         })
         .collect()
+}
+
+/// Half the sides of a box around a cylinder: half its length is `along` a unit axis, its radius `across`.
+fn around_cylinder(axis: DVec3, along: f64, across: f64) -> DVec3 {
+    // Rounding may leave a unit vector's coordinate above one.
+    axis.abs() * along + (DVec3::ONE - axis * axis).map(|square| square.max(0.0).sqrt()) * across
 }
 
 /// The cell of such rotations, with all model points that may be at the pivot.
@@ -219,5 +226,23 @@ fn first_cell(conditions: &Conditions<'_>, base: DMat3, v_half: DVec3) -> Cell {
         y_half: 0.5 * (high - low) + case.outward(),
         left: all_sites(conditions),
         cuts: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::around_cylinder;
+    use glam::DVec3;
+
+    /// The axis of a cap on an edge may be off one by a unit of rounding: the turns about it are cells all the same.
+    #[test]
+    fn an_axis_that_is_rounded_up_has_a_box() {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let (sine, cosine) = std::f64::consts::FRAC_PI_4.sin_cos();
+        let (first, across) = (DVec3::new(half, half, 0.0), DVec3::new(half, -half, 0.0));
+        let axis = cosine.max(sine) * first + cosine.max(sine) * across;
+        assert!(axis.x > 1.0);
+        let size = around_cylinder(axis, 0.3, 0.1);
+        assert!(size.cmpge(DVec3::new(0.3, 0.1, 0.1) - 1e-12).all() && size.is_finite());
     }
 }

@@ -96,7 +96,9 @@ impl<const N: usize> Program<N> {
         };
         let Some(duals) = duals else { return Optimum { point: self.point, bound: f64::NEG_INFINITY } };
         let proof = self.basis.iter().zip(&duals).map(|(one, dual)| (*one, dual.max(0.0)));
-        Optimum { point: self.point, bound: self.proved(objective, proof) }
+        let bound = self.proved(objective, proof);
+        // Multipliers beyond all numbers prove nothing.
+        Optimum { point: self.point, bound: if bound.is_nan() { f64::INFINITY } else { bound } }
     }
 
     /// From the corner of the box that is best, until no row is violated: a dual simplex. `None`: nothing is feasible.

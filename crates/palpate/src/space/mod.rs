@@ -4,6 +4,8 @@ mod angle_index;
 mod bvh;
 mod case;
 mod cell;
+#[cfg(test)]
+mod cell_tests;
 mod cones;
 mod distance;
 mod edges;

@@ -119,6 +119,8 @@ impl Site {
         let shape = Shape::Vertex { point, cone, corners: corners.to_vec() };
         let mean_normal = corners.iter().sum::<DVec3>().try_normalize().unwrap_or(corners[0]);
         let spread = corners.iter().map(|corner| angle(mean_normal, *corner)).fold(0.0, f64::max);
+        // A cap holds what is between its corners only up to a half.
+        let spread = if spread < FRAC_PI_2 { spread } else { PI };
         let (low, high) = (point - radius, point + radius);
         Self { feature, radius, shape, middle: point, reach: radius, low, high, mean_normal, spread }
     }
@@ -418,6 +420,22 @@ mod tests {
     use super::{Shape, Site, angle};
     use crate::feature::Feature;
     use glam::DVec3;
+
+    /// The mean is where most corners are: of two that are more than a right angle from it, the arc between them goes further.
+    #[test]
+    fn many_normals_on_one_side_leave_the_others_bounded() {
+        // The apex of a blade: a rounded front of nine faces, two faces behind.
+        let unit = |degrees: f64| {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            DVec3::new(cosine, sine, 0.4).normalize()
+        };
+        let front = (-4..5).map(|k| unit(f64::from(k)));
+        let corners: Vec<DVec3> = front.chain([unit(150.0), unit(210.0)]).collect();
+        let site = Site::vertex(Feature::Vertex(0), 1.0, DVec3::ZERO, &corners);
+        let between = (corners[9] + corners[10]).normalize();
+        assert!(site.normal_distance(between) < 1e-9);
+        assert!(angle(site.mean_normal, between) <= site.spread + 1e-9);
+    }
 
     /// What covers a site's normals holds them, and nothing of them is beyond what bounds them.
     #[test]

@@ -141,11 +141,10 @@ fn divide_all(case: &Case, touching: &Touching, choices: &[Vec<Vec<Feature>>]) -
         // Twice as many as before, as long as there are as many.
         given = (given + (most - spent) / unfinished).min(2 * given).max(given + 1);
     }
-    let ended = |division: Division<'_>| Subdivision {
-        complete: division.left.complete && division.open.is_empty(),
-        ..division.left
-    };
-    divisions.into_iter().map(ended).collect()
+    let unfinished = divisions.iter().filter(|division| !division.open.is_empty()).count() as u64;
+    let budget = (most / unfinished.max(1)).min(u64::from(MOST_IN_SMALL)) as u32;
+    divisions.par_iter_mut().for_each(|division| division.finish(budget));
+    divisions.into_iter().map(|division| division.left).collect()
 }
 
 /// The two contacts whose normals leave the least of the rotations.
@@ -214,6 +213,24 @@ impl<'a> Division<'a> {
                 if !settled {
                     self.open.push(half);
                 }
+            }
+        }
+    }
+
+    /// Cells that are still open are pieces where they touch, whatever their features: so what is true is in one. If a search
+    /// ends before it knows whether any pose is in a piece, the answer is not complete.
+    fn finish(&mut self, budget: u32) {
+        let open = std::mem::take(&mut self.open);
+        for cells in together(open) {
+            if self.case.stopped() {
+                self.left.complete = false;
+                break;
+            }
+            let piece = self.piece(of_cells(&self.conditions, &cells), &cells, budget);
+            match piece.witness {
+                None => {}
+                Some(witness) if witness.undecided => self.left.complete = false,
+                Some(_) => self.left.pieces.push(piece),
             }
         }
     }
