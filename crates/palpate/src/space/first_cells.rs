@@ -21,8 +21,11 @@ const NUM_SPINS: u32 = 11;
 /// Two normals that leave rotations within this angle, radians, are good for a chart.
 const GOOD_BALL: f64 = 1.0;
 
-/// Caps that cover normals are no wider, radians.
-const FINE_CAP: f64 = 0.15;
+/// Caps that cover normals are no wider, radians: those that leave the least to divide are taken.
+const CAPS: [f64; 3] = [0.15, 0.3, 0.6];
+
+/// Rotations within this angle, radians, cost as much as a single one.
+const FINE_BALL: f64 = 0.2;
 
 /// A sensed normal, and caps that hold all normals of the sites that it may be of.
 struct Sensed<'a> {
@@ -46,9 +49,9 @@ pub(super) fn first_cells(conditions: &Conditions<'_>) -> Vec<Cell> {
         (prior.world_from_model.rotation.transpose(), radius)
     });
     let prior = prior.filter(|(_, radius)| *radius < PI);
-    let balls = best_pair(&sensed).map(|[a, b]| balls(a, b));
+    let balls = best_pair(&sensed).and_then(|[a, b]| balls(a, b));
     let cell = |(turn, radius): (DMat3, f64)| first_cell(conditions, turn, DVec3::splat(radius));
-    if let Some(balls) = balls.filter(|balls| balls.iter().all(|(_, radius)| *radius <= GOOD_BALL)) {
+    if let Some(balls) = balls {
         let widest = balls.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
         return match prior {
             Some(prior) if prior.1 <= widest => vec![cell(prior)],
@@ -68,7 +71,7 @@ pub(super) fn first_cells(conditions: &Conditions<'_>) -> Vec<Cell> {
     match surest.filter(|one| one.width() < 1.0) {
         Some(one) => {
             let turns = |cap| spins(conditions, one.reading, cap, one.error);
-            one.caps().into_iter().flat_map(turns).collect()
+            one.caps(CAPS[0]).into_iter().flat_map(turns).collect()
         }
         None => vec![first_cell(conditions, DMat3::IDENTITY, DVec3::splat(PI))],
     }
@@ -89,22 +92,22 @@ fn of_contact<'a>(
 impl Sensed<'_> {
     /// How far the sensed normal may be from the middle of its cap, radians.
     fn width(&self) -> f64 {
-        self.error + self.whole.angle.min(FINE_CAP)
+        self.error + self.whole.angle.min(CAPS[0])
     }
 
-    /// Few caps that hold all normals of the sites.
-    fn caps(&self) -> Vec<Cap> {
-        if self.whole.angle <= FINE_CAP {
+    /// Few caps, no wider than `fine`, that hold all normals of the sites.
+    fn caps(&self, fine: f64) -> Vec<Cap> {
+        if self.whole.angle <= fine {
             return vec![self.whole];
         }
         let mut caps: Vec<Cap> = Vec::new();
-        let mut fine = Vec::new();
+        let mut of_site = Vec::new();
         for site in self.sites {
-            fine.clear();
-            site.cover(FINE_CAP, &mut fine);
-            for cap in &fine {
+            of_site.clear();
+            site.cover(fine, &mut of_site);
+            for cap in &of_site {
                 // Normals of many small facets share caps.
-                let near = |kept: &&mut Cap| angle(kept.axis, cap.axis) + cap.angle <= FINE_CAP;
+                let near = |kept: &&mut Cap| angle(kept.axis, cap.axis) + cap.angle <= fine;
                 match caps.iter_mut().find(near) {
                     Some(kept) => {
                         let angle = kept.angle.max(angle(kept.axis, cap.axis) + cap.angle);
@@ -125,8 +128,8 @@ fn best_pair<'a, 'b>(sensed: &'b [Sensed<'a>]) -> Option<[&'b Sensed<'a>; 2]> {
         for b in &sensed[..k] {
             let apart = angle(a.reading, b.reading);
             let sine = (0.5 * a.width().max(b.width())).sin() / (0.5 * apart.min(PI - apart)).sin();
-            let count = |one: &Sensed<'_>| 1.0 + one.whole.angle / FINE_CAP;
-            let cost = count(a) * count(b) * sine.max(0.5 * FINE_CAP).powi(3);
+            let count = |one: &Sensed<'_>| 1.0 + one.whole.angle / CAPS[0];
+            let cost = count(a) * count(b) * sine.max(0.5 * CAPS[0]).powi(3);
             if sine < 1.0 && best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, [b, a]));
             }
@@ -136,20 +139,28 @@ fn best_pair<'a, 'b>(sensed: &'b [Sensed<'a>]) -> Option<[&'b Sensed<'a>; 2]> {
 }
 
 /// For each pair of caps that can be of two sensed normals: the rotation that fits both best, and the radius around it
-/// that holds all that both allow.
-fn balls(a: &Sensed<'_>, b: &Sensed<'_>) -> Vec<(DMat3, f64)> {
+/// that holds all that both allow. Nothing, if a ball is too large for a chart.
+fn balls(a: &Sensed<'_>, b: &Sensed<'_>) -> Option<Vec<(DMat3, f64)>> {
     let apart = angle(a.reading, b.reading);
-    let caps = b.caps();
-    let mut balls = Vec::new();
-    for first in a.caps() {
-        for second in &caps {
-            let errors = [a.error + first.angle, b.error + second.angle];
-            if (angle(first.axis, second.axis) - apart).abs() <= errors[0] + errors[1] {
-                balls.push(ball([a.reading, b.reading], [first.axis, second.axis], errors));
+    let mut best: Option<(f64, Vec<(DMat3, f64)>)> = None;
+    for fine in CAPS {
+        let caps = b.caps(fine);
+        let mut balls = Vec::new();
+        for first in a.caps(fine) {
+            for second in &caps {
+                let errors = [a.error + first.angle, b.error + second.angle];
+                if (angle(first.axis, second.axis) - apart).abs() <= errors[0] + errors[1] {
+                    balls.push(ball([a.reading, b.reading], [first.axis, second.axis], errors));
+                }
             }
         }
+        let widest = balls.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
+        let cost: f64 = balls.iter().map(|(_, radius)| radius.max(FINE_BALL).powi(3)).sum();
+        if widest <= GOOD_BALL && best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, balls));
+        }
     }
-    balls
+    best.map(|(_, balls)| balls)
 }
 
 /// The radius is above half a turn where nothing is known.
