@@ -84,6 +84,12 @@ impl Pose {
     }
 }
 
+/// Whether a rotation is by no more than `angle`, up to rounding, without the angle itself.
+pub(crate) fn within(rotation: DMat3, angle: f64) -> bool {
+    let trace = rotation.x_axis.x + rotation.y_axis.y + rotation.z_axis.z;
+    angle >= std::f64::consts::PI || 0.5 * (trace - 1.0) >= angle.cos() - 1e-12
+}
+
 /// The rotation about `vector` by its length, radians.
 pub(crate) fn rotation(vector: DVec3) -> DMat3 {
     match vector.try_normalize() {

@@ -197,10 +197,9 @@ impl Site {
                     + if intervals.is_empty() { f64::NEG_INFINITY } else { self.radius * farthest }
             }
             Shape::Vertex { point, cone, .. } => {
-                let caps: Vec<Cap> = cone.iter().chain(allowed).copied().collect();
-                let farthest = sphere::greatest(direction, &caps);
-                direction.dot(*point)
-                    + if farthest == f64::NEG_INFINITY { farthest } else { self.radius * farthest }
+                let of_cone = sphere::greatest_in_each(direction, cone);
+                let farthest = of_cone.min(sphere::greatest_in_each(direction, allowed));
+                direction.dot(*point) + self.radius * farthest
             }
         }
     }

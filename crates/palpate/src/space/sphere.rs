@@ -144,6 +144,20 @@ pub(crate) fn greatest(direction: DVec3, caps: &[Cap]) -> f64 {
     }
 }
 
+/// No direction in all of `caps` has more of `direction`: the least of what each cap allows by itself, which takes no rims
+/// that cross.
+pub(crate) fn greatest_in_each(direction: DVec3, caps: &[Cap]) -> f64 {
+    let length = direction.length();
+    let Some(unit) = direction.try_normalize() else { return 0.0 };
+    let most = |cap: &Cap| {
+        let (apart, across) = (unit.dot(cap.axis), unit.cross(cap.axis).length());
+        let (sine, cosine) = (cap.chord * (1.0 - 0.25 * cap.chord * cap.chord).max(0.0).sqrt(), 0.5 * cap.chord * cap.chord);
+        let cosine = 1.0 - cosine;
+        if apart >= cosine { 1.0 } else { apart * cosine + across * sine }
+    };
+    length * (caps.iter().map(most).fold(1.0, f64::min) + 4.0 * COAXIAL)
+}
+
 #[cfg(test)]
 mod tests {
     use super::{COAXIAL, Cap, greatest, nearest};

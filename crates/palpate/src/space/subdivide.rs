@@ -4,13 +4,16 @@
 //! its leaves. Two contacts choose their features, which leaves a ball of rotations; the cells in it are divided until each
 //! contact is left with features that hang together, or the cell is small against the sensor's bounds.
 
+use std::collections::VecDeque;
+
+use glam::DMat3;
 use rayon::prelude::*;
 
 use super::case::Case;
 use super::cell::{Cell, Conditions};
 use super::first_cells::first_cells;
 use super::hypotheses::{canonical, sensed};
-use super::pose::Pose;
+use super::pose;
 use super::pose_set::Piece;
 use super::site::Site;
 use super::solve;
@@ -29,6 +32,9 @@ const LEAST_CELLS: u64 = 50;
 /// Cells examined for a witness in a cell whose features hang together, before it is divided, and in a small cell.
 const MOST_FOR_WITNESS: u32 = 16;
 const MOST_IN_SMALL: u32 = 1_000;
+
+/// Cells of one choice that are narrowed before linear conditions are asked.
+const MOST_NARROWED: usize = 256;
 
 /// What the division left.
 #[derive(Debug, Default)]
@@ -180,13 +186,12 @@ impl<'a> Division<'a> {
         let conditions = Conditions::new(case, pairs)?;
         let left = Subdivision { complete: true, ..Subdivision::default() };
         let mut division = Self { case, touching, conditions, open: Vec::new(), left };
-        let first = first_cells(&division.conditions);
-        division.left.examined += first.len() as u64;
-        let contract = |cell: Cell| solve::contracted(&division.conditions, cell);
-        let first: Vec<Cell> = first.into_iter().filter_map(contract).collect();
-        // Balls of many normals overlap: those that hang together are one piece, if what they leave does.
+        let first = narrowed(&division.conditions, first_cells(&division.conditions));
+        // Those that hang together are one piece, if what they leave does.
         for cells in together(first) {
-            if !cells.iter().all(Cell::is_narrow) || !division.settle(&cells, MOST_FOR_WITNESS) {
+            let narrow = cells.iter().all(Cell::is_narrow);
+            let budget = MOST_FOR_WITNESS + cells.len() as u32;
+            if !narrow || !division.settle(&cells, budget) {
                 division.open.extend(cells);
             }
         }
@@ -201,18 +206,15 @@ impl<'a> Division<'a> {
         let small = (SMALL * least).max(0.5 * case.length_tolerance);
         while self.left.examined < most && !case.stopped() {
             let Some(cell) = self.open.pop() else { break };
-            let halves = cell.split(reach, false);
-            self.left.examined += 2;
-            for half in halves {
-                let Some(half) = solve::contracted(&self.conditions, half) else { continue };
-                let settled = if half.motion(reach) <= small {
-                    self.settle_small(&half)
-                } else {
-                    half.is_narrow() && self.settle(std::slice::from_ref(&half), MOST_FOR_WITNESS)
-                };
-                if !settled {
-                    self.open.push(half);
-                }
+            self.left.examined += 1;
+            let Some(cell) = solve::contracted(&self.conditions, cell) else { continue };
+            let settled = if cell.motion(reach) <= small {
+                self.settle_small(&cell)
+            } else {
+                cell.is_narrow() && self.settle(std::slice::from_ref(&cell), MOST_FOR_WITNESS)
+            };
+            if !settled {
+                self.open.extend(cell.split(reach, false));
             }
         }
     }
@@ -268,12 +270,34 @@ impl<'a> Division<'a> {
     }
 }
 
+/// Wide cells divided until linear conditions are of use in each, as long as they are few: what normals and boxes exclude
+/// costs little.
+fn narrowed(conditions: &Conditions<'_>, first: Vec<Cell>) -> Vec<Cell> {
+    let reach = conditions.reach();
+    let possible = |mut cell: Cell| cell.restrict(conditions).then_some(cell);
+    let mut narrow = Vec::new();
+    let mut wide: VecDeque<Cell> = first.into_iter().filter_map(possible).collect();
+    while let Some(cell) = wide.pop_front() {
+        if cell.is_narrow() || narrow.len() + wide.len() >= MOST_NARROWED {
+            narrow.push(cell);
+        } else {
+            wide.extend(cell.split(reach, true).into_iter().filter_map(possible));
+        }
+    }
+    narrow
+}
+
 /// Cells in groups that touch.
 fn together(cells: Vec<Cell>) -> Vec<Vec<Cell>> {
+    let turns: Vec<DMat3> = cells.iter().map(Cell::rotation).collect();
     let mut groups = Groups::new(cells.len());
     for (k, a) in cells.iter().enumerate() {
         for (j, b) in cells[..k].iter().enumerate() {
-            if groups.root(j) != groups.root(k) && a.meets(b, Pose::IDENTITY, 0.0, 0.0) {
+            let near = || {
+                (a.y - b.y).abs().cmple(a.y_half + b.y_half).all()
+                    && pose::within(turns[k] * turns[j].transpose(), a.radius() + b.radius())
+            };
+            if groups.root(j) != groups.root(k) && near() {
                 groups.unite(j, k);
             }
         }
