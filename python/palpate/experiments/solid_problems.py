@@ -16,7 +16,7 @@ import numpy as np
 from .random_solids import random_solid
 from .solid_oracle import ALL_KINDS
 from .solid_particles import in_ball, rotations
-from .solid_sweeps import least_distances
+from .solid_sweeps import keep_off, outside
 from .solids import Array, Solid
 
 Random = np.random.Generator
@@ -269,8 +269,8 @@ def _with_start(random: Random, touch: Touch, solid: Solid, *, truth: Array) -> 
         back = tilted(random, base / np.linalg.norm(base), float(random.uniform(0.0, 1.0)))
         start = touch.center + (touch.position_error + log_uniform(random, 2.0, 200.0)) * back
         end = touch.center + touch.position_error * back
-        least, _ = least_distances(solid, _in_model(truth, start), _in_model(truth, end))
-        if least >= touch.tip_radius - touch.position_error:
+        ends = _in_model(truth, start)[None], _in_model(truth, end)[None]
+        if keep_off(solid, *ends, least=touch.tip_radius - touch.position_error, cautious=True)[0]:
             return replace(touch, start=start)
     return touch
 
@@ -284,7 +284,7 @@ def _random_miss(random: Random, solid: Solid, truth: Array) -> Sweep | None:
         direction = tilted(random, normal, 0.5 * math.pi + float(random.normal(0.0, 0.5)))
         before, after = log_uniform(random, 2.0, 200.0), log_uniform(random, 2.0, 200.0)
         ends = near - before * direction, near + after * direction
-        least, _ = least_distances(solid, *ends)
+        least = outside(solid, *ends)
         if least <= 0.0:
             continue
         share = 1.0 - 1e-12 if random.random() < 1.0 / 3.0 else float(random.random())
