@@ -179,7 +179,9 @@ def _first(
     i, j = (one.ravel() for one in np.nonzero(~np.eye(len(some), dtype=bool)))
     size = float(np.ptp(places.points, axis=0).max())
     room = max(float(readings.position_errors.max()), 0.5 * size / np.sqrt(len(some)))
-    tree = cKDTree(_features(points[i], points[j], normals[i], normals[j], room=room))
+    # Half a million pairs are asked for a few times: a tree that is made fast is the better one.
+    features = _features(points[i], points[j], normals[i], normals[j], room=room)
+    tree = cKDTree(features, balanced_tree=False, compact_nodes=False)
     pairs = _telling_pairs(readings)
     each = settings.num_first // len(pairs)
     found = []

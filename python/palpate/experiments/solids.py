@@ -63,9 +63,12 @@ class Cone:
     rays: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solid:
-    """Triangles of a part, counter-clockwise from outside: `vertices` `(v, 3)`, `triangles` `(t, 3)`."""
+    """Triangles of a part, counter-clockwise from outside: `vertices` `(v, 3)`, `triangles` `(t, 3)`.
+
+    Each is only equal to itself, so that what is known of it can be kept.
+    """
 
     name: str
     vertices: Array
