@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -98,8 +99,7 @@ class Bounds:
 def random_problem(seed: int, parts: Sequence[Solid] = ()) -> Problem:
     """The problem of this seed, of one of the parts in two of three."""
     random = np.random.default_rng(seed)
-    shares = np.array(list(FAMILIES.values()), dtype=float)
-    family = list(FAMILIES)[int(random.choice(len(shares), p=shares / shares.sum()))]
+    family = _family(random)
     count = int(random.integers(2, 5)) if family == "library" else 1
     solids = tuple(_part(random, parts) for _ in range(count))
     true = int(random.integers(count))
@@ -121,6 +121,17 @@ def random_problem(seed: int, parts: Sequence[Solid] = ()) -> Problem:
     known = bounds.bare or random.random() < 0.1
     prior = _random_prior(random, truth) if known else None
     return Problem(seed, family, solids, true, truth, tuple(contacts), misses, prior)
+
+
+def family_of(seed: int) -> str:
+    """The family of the problem of this seed."""
+    return _family(np.random.default_rng(seed))
+
+
+def _family(random: Random) -> str:
+    """What is drawn first of a problem."""
+    shares = np.array(list(FAMILIES.values()), dtype=float)
+    return list(FAMILIES)[int(random.choice(len(shares), p=shares / shares.sum()))]
 
 
 def log_uniform(random: Random, low: float, high: float) -> float:
@@ -318,9 +329,19 @@ def for_core(problem: Problem) -> dict[str, Any]:
     if problem.prior is not None:
         known = problem.prior
         prior = palpate.Prior(known.world_from_model, translation=known.translation, rotation=known.rotation)
-    mesh: Any = palpate.Model.mesh  # type: ignore[attr-defined, unused-ignore] # older cores know the plane alone
-    models = [
-        mesh(solid.vertices, solid.triangles, name=f"{number}-{solid.name}")
-        for number, solid in enumerate(problem.solids)
-    ]
+    models = [_model(solid, f"{number}-{solid.name}") for number, solid in enumerate(problem.solids)]
     return {"models": models, "contacts": contacts, "misses": misses, "prior": prior}
+
+
+#: Models that were made, by the solid and its name among the models of a problem.
+_MODELS: WeakKeyDictionary[Solid, dict[str, Any]] = WeakKeyDictionary()
+
+
+def _model(solid: Solid, name: str) -> Any:
+    """The core's model of a solid. Made once: a part of a folder is in many problems."""
+    import palpate
+
+    known = _MODELS.setdefault(solid, {})
+    if name not in known:
+        known[name] = palpate.Model.mesh(solid.vertices, solid.triangles, name=name)
+    return known[name]
