@@ -37,7 +37,9 @@ NUM_SAMPLES = 6
 NUM_NEIGHBOURS = 24
 #: In one problem of so many all poses are searched, not only near the truth.
 SEARCHED = 4
-SEARCH = Settings(num_places=8000, num_first=4000, num_particles=800, most_kept=100, num_lowered=8)
+SEARCH = Settings(
+    num_places=8000, num_paired=350, num_first=2000, num_particles=800, most_kept=100, num_lowered=8
+)
 
 
 @dataclass(frozen=True)
