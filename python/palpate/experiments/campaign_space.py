@@ -165,7 +165,8 @@ def section(summary: dict[str, Any], rows: list[Row]) -> str:
             for fault in faults
         ],
     )
-    return f"{families}\n\n{checks}\n\nTimes are those of `recognize` on one core: {pages.machine()}."
+    said = "Times are those of `recognize`, a part's tables included when it is seen first in a process"
+    return f"{families}\n\n{checks}\n\n{said}: {pages.machine()}."
 
 
 def replay(seed: int, parts: str | None) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from .checked import Outcome
 from .solid_oracle import Slack, angle_between, tolerance, valid
 from .solid_particles import Settings, in_ball, rotations, search
-from .solid_problems import Problem, for_core, random_problem
+from .solid_problems import Problem, for_core, kept_model, random_problem
 from .solids import Array, Mask, Solid
 
 #: What must not happen, in the order of the table: its counter, and what to call it.
@@ -78,7 +78,7 @@ def recognized(problem: Problem) -> tuple[Sequence[Any], Any]:
     """The core's models and its answer."""
     from palpate import recognize
 
-    given = for_core(problem)
+    given = for_core(problem, kept_model)
     return given["models"], recognize(**given)
 
 

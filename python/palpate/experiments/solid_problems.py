@@ -7,7 +7,7 @@ bounds.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -305,8 +305,27 @@ def _random_miss(random: Random, solid: Solid, truth: Array) -> Sweep | None:
     return None
 
 
-def for_core(problem: Problem) -> dict[str, Any]:
-    """The arguments of `palpate.recognize`."""
+def new_model(solid: Solid, name: str) -> Any:
+    """The core's model of a solid."""
+    import palpate
+
+    return palpate.Model.mesh(solid.vertices, solid.triangles, name=name)
+
+
+#: Models by their solid, and by their name among the models of a problem.
+_KEPT: WeakKeyDictionary[Solid, dict[str, Any]] = WeakKeyDictionary()
+
+
+def kept_model(solid: Solid, name: str) -> Any:
+    """The core's model of a solid, with the tables that it has made by now: one for all problems."""
+    known = _KEPT.setdefault(solid, {})
+    if name not in known:
+        known[name] = new_model(solid, name)
+    return known[name]
+
+
+def for_core(problem: Problem, model_of: Callable[[Solid, str], Any] = new_model) -> dict[str, Any]:
+    """The arguments of `palpate.recognize`, its models new or as told."""
     import palpate
 
     contacts = [
@@ -329,19 +348,5 @@ def for_core(problem: Problem) -> dict[str, Any]:
     if problem.prior is not None:
         known = problem.prior
         prior = palpate.Prior(known.world_from_model, translation=known.translation, rotation=known.rotation)
-    models = [_model(solid, f"{number}-{solid.name}") for number, solid in enumerate(problem.solids)]
+    models = [model_of(solid, f"{number}-{solid.name}") for number, solid in enumerate(problem.solids)]
     return {"models": models, "contacts": contacts, "misses": misses, "prior": prior}
-
-
-#: Models that were made, by the solid and its name among the models of a problem.
-_MODELS: WeakKeyDictionary[Solid, dict[str, Any]] = WeakKeyDictionary()
-
-
-def _model(solid: Solid, name: str) -> Any:
-    """The core's model of a solid. Made once: a part of a folder is in many problems."""
-    import palpate
-
-    known = _MODELS.setdefault(solid, {})
-    if name not in known:
-        known[name] = palpate.Model.mesh(solid.vertices, solid.triangles, name=name)
-    return known[name]
