@@ -7,8 +7,8 @@
 
 Problem `k` of campaign `s` has the seed `s · 10⁹ + k`, that of one family the `k`-th of these seeds whose
 problem is of it; with other parts it is another problem. What was checked is on disk after every chunk;
-killed and started again, the campaign goes on where it was, and its summary is the same. With `--page` the
-tables of that page are written anew.
+killed and started again, the campaign goes on where it was, and its summary is the same but for answers that
+were cut after `MOST_SECONDS`. With `--page` the tables of that page are written anew.
 """
 
 from __future__ import annotations

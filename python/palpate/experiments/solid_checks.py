@@ -32,6 +32,9 @@ TOLERANCE = 1e-6
 #: A pose that is valid by so much more than it must be, relative to the size and in radians, is surely valid.
 MARGIN = 2e-6
 
+#: What the core may take for a problem; what it has by then is an answer that is not complete.
+MOST_SECONDS = 20
+
 MOST_HYPOTHESES = 6
 NUM_SAMPLES = 6
 NUM_NEIGHBOURS = 24
@@ -79,7 +82,7 @@ def recognized(problem: Problem) -> tuple[Sequence[Any], Any]:
     from palpate import recognize
 
     given = for_core(problem, kept_model)
-    return given["models"], recognize(**given)
+    return given["models"], recognize(**given, time_limit=MOST_SECONDS)
 
 
 def check(
