@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane parts campaign-space bench-peers campaign-plan promises planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -75,8 +75,13 @@ PARTS := target/parts
 parts: .venv/.built .venv/.parts ## parts out of public packages, 120 of each, in target/parts; a source that is missing is skipped
 	-$(BIN)/python -m palpate.experiments.public_parts --folder $(PARTS)
 
-campaign-space: parts .venv/.cluster ## 10,000 random problems of space, on real parts too: is anything true lost? resumes
-	$(BIN)/python -m palpate.experiments.campaign_space --parts $(PARTS) $(ARGS)
+CAMPAIGN_SPACE := -m palpate.experiments.campaign_space --parts $(PARTS) --page docs/campaign-space.md
+
+campaign-space: parts .venv/.cluster ## 10,000 random problems of space, on real parts too: is anything true lost? writes docs/campaign-space.md; resumes
+	$(BIN)/python $(CAMPAIGN_SPACE) $(ARGS)
+
+campaign-no-normals: parts .venv/.cluster ## 1,000 of these without normals, in docs/campaign-space.md too; resumes
+	$(BIN)/python $(CAMPAIGN_SPACE) --family no-normals --problems 1000 $(ARGS)
 
 bench-peers: parts .venv/.peers ## other ways to find a part by the same contacts; writes docs/tables/peers.md
 	$(BIN)/python -m palpate.experiments.peers --parts $(PARTS) --page docs/tables/peers.md $(ARGS)

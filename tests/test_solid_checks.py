@@ -72,7 +72,7 @@ class Recognition:
     complete: bool = True
 
 
-def recognizer(*, lost=False, whole=True, moved=0.0, sampled=0.0, bound=7.0, raises=False):
+def recognizer(*, lost=False, complete=True, whole=True, moved=0.0, sampled=0.0, bound=7.0, raises=False):
     """One that returns all models with their valid poses, but for what it is told to get wrong."""
 
     def shifted(pose, by):
@@ -94,7 +94,7 @@ def recognizer(*, lost=False, whole=True, moved=0.0, sampled=0.0, bound=7.0, rai
             for number in range(len(models))
             if number == problem.true and not lost
         ]
-        return models, Recognition(hypotheses)
+        return models, Recognition(hypotheses, complete=complete)
 
     return recognize
 
@@ -129,6 +129,21 @@ def test_a_true_answer_has_no_fault():
 )
 def test_each_fault_is_found(wrong, fault):
     assert fault in faults_of(single(range(12)), **wrong)
+
+
+def test_an_incomplete_answer_may_lose_the_truth_but_that_is_counted():
+    [seed, *_] = single(SEEDS)
+    for lost in (True, False):
+        outcome = check(seed, (), recognizer(lost=lost, complete=False))
+        assert outcome.counts["incomplete"] == 1
+        assert outcome.counts["incomplete_without_truth"] == int(lost)
+        assert not outcome.faults
+
+
+def test_an_incomplete_answer_is_checked_like_any_other():
+    wrong = {"moved": 30.0, "sampled": -30.0, "bound": 1e-3}
+    found = faults_of(single(range(6)), complete=False, **wrong)
+    assert found >= {"invalid_witnesses", "invalid_samples", "bounds_exceeded"}
 
 
 def test_all_families_occur_and_agree_with_their_truth():

@@ -7,9 +7,17 @@ import numpy as np
 import pytest
 
 from palpate.experiments import solid_oracle
-from palpate.experiments.random_solids import prism
+from palpate.experiments.random_solids import prism, random_solid
 from palpate.experiments.solid_oracle import Slack, gaps, valid
-from palpate.experiments.solid_sweeps import between_segments, least_distances, to_triangles
+from palpate.experiments.solid_problems import Bounds, draw_contacts
+from palpate.experiments.solid_sweeps import (
+    NUM_POINTS,
+    between_segments,
+    keep_off,
+    least_distances,
+    segments_to_triangles,
+    to_triangles,
+)
 from palpate.experiments.solids import Solid, winding
 
 IDENTITY = np.eye(4)[None]
@@ -164,6 +172,57 @@ def test_sweeps_of_a_cube(start, end, low, high):
     assert bounds[1] == pytest.approx(high, abs=1e-9)
 
 
+def test_sweeps_keep_off_by_as_much_as_they_are_away():
+    """Triangles that are left out, and points whose side is known from a neighbour's, change no answer."""
+    random = np.random.default_rng(17)
+    passed = set()
+    for _ in range(16):
+        solid = random_solid(random)
+        starts, ends = 70.0 * random.normal(size=(2, 6, 3))
+        bounds = np.array([brute_force(solid, *two) for two in zip(starts, ends, strict=True)])
+        for least in (5.0, 0.0, -0.01, -2.0, -30.0):
+            for cautious in (True, False):
+                held = keep_off(solid, starts, ends, least=least, cautious=cautious)
+                assert (held == (bounds[:, 0 if cautious else 1] >= least)).all()
+                passed |= {(least, bool(one)) for one in held}
+        for start, end, bound in zip(starts, ends, bounds, strict=True):
+            assert least_distances(solid, start, end) == pytest.approx(bound, abs=1e-9)
+    assert len(passed) == 10
+
+
+def brute_force(solid, start, end):
+    """The bounds of `least_distances`, of all points and all triangles."""
+    points = np.linspace(start, end, NUM_POINTS)
+    corners = np.repeat(solid.corners[None], NUM_POINTS, axis=0).reshape(-1, 3, 3)
+    distances = to_triangles(np.repeat(points, len(solid.corners), axis=0), corners)
+    inside = winding(solid, points) > 0.5
+    depth = np.where(inside, distances.reshape(NUM_POINTS, -1).min(axis=1), 0.0).max()
+    ends = np.broadcast_to(start, (len(solid.corners), 3)), np.broadcast_to(end, (len(solid.corners), 3))
+    apart = segments_to_triangles(*ends, solid.corners).min()
+    if apart > 0.0 and not inside[0]:
+        return apart, apart
+    return -depth - 0.5 * np.linalg.norm(end - start) / (NUM_POINTS - 1), -depth
+
+
+def test_what_is_left_out_for_its_distance_is_farther():
+    """With a bound of what matters, gaps within it are the same, and no other is."""
+    random = np.random.default_rng(19)
+    within = 0
+    for _ in range(8):
+        solid = random_solid(random)
+        bounds = Bounds(2.0, 0.1, tip_radius=4.0)
+        for touch in draw_contacts(random, solid, np.eye(4), bounds=bounds, count=6):
+            poses = np.broadcast_to(np.eye(4), (12, 4, 4)).copy()
+            poses[:, :3, 3] = 3.0 * random.normal(size=(12, 3))
+            whole = gaps(solid, poses, touch, kinds=solid_oracle.ALL_KINDS)
+            for most in (0.1, 1.0, 5.0):
+                some = gaps(solid, poses, touch, kinds=solid_oracle.ALL_KINDS, most=most)
+                near = whole <= most
+                assert (some[near] == whole[near]).all() and (some[~near] > most).all()
+                within += int(near.sum())
+    assert within > 200
+
+
 def test_misses_exclude_poses():
     miss = Miss((0.0, 5.0, 12.0), (10.0, 5.0, 12.0), tip_radius=2.5, path_error=0.4)
     assert not valid(cube(), IDENTITY, [], misses=[miss])[0]
@@ -186,7 +245,7 @@ def test_segments_are_as_near_as_their_nearest_points():
         mine = a + share[:, None] * (b - a)
         other = c + share[:, None] * (d - c)
         brute = np.linalg.norm(mine[:, None] - other, axis=2).min()
-        exact = between_segments(a, b, c[None], d[None])[0]
+        exact = between_segments(a[None], b[None], c[None], d[None])[0]
         assert exact <= brute + 1e-12
         assert brute <= exact + 0.01 * (np.linalg.norm(b - a) + np.linalg.norm(d - c))
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import islice
 from random import Random
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from palpate import Hypothesis, Interpretation, Recognition
 
+from .checked import Outcome
 from .oracle import Assignment, Evidence, Slack, angle_of, valid, valid_on
 from .problems import Problem, matrix, random_problem
 from .shapes import Array, Shape, wrap
@@ -38,23 +38,6 @@ NUM_SAMPLES = 4
 NUM_NEIGHBOURS = 4
 
 
-@dataclass
-class Outcome:
-    """What was counted for a problem, what was wrong, and how long the core took, seconds."""
-
-    seed: int
-    family: str
-    counts: Counter[str] = field(default_factory=Counter)
-    faults: list[str] = field(default_factory=list)
-    seconds: float = 0.0
-
-    def expect(self, holds: bool, fault: str, said: str = "") -> None:
-        """Count a fault where something does not hold."""
-        if not holds:
-            self.counts[fault] += 1
-            self.faults.append(f"{FAULTS[fault]}{': ' if said else ''}{said}")
-
-
 @dataclass(frozen=True)
 class Answer:
     """A problem with its answer, as the checks look at it."""
@@ -72,25 +55,16 @@ class Answer:
 def check(seed: int) -> Outcome:
     """Put the problem of this seed to the core and check the answer."""
     problem = random_problem(seed)
-    outcome = Outcome(seed, problem.family, Counter(problems=1))
+    outcome = Outcome(seed, problem.family, FAULTS)
     evidence = problem.evidence()
     truth = problem.world_from_model[None]
     assert valid_on(evidence, truth, problem.assignment, slack=evidence.tolerance(1e-9))[0], (
         f"problem {seed} does not agree with its own truth"
     )
     started = time.perf_counter()
-    try:
-        found = problem.recognize()
-    except Exception as error:
-        outcome.expect(False, "errors", str(error))
+    found = outcome.answer(problem.recognize)
+    if found is None:
         return outcome
-    except BaseException as error:  # a panic of the core is none of Exception's
-        if isinstance(error, (KeyboardInterrupt, SystemExit)):
-            raise
-        outcome.expect(False, "errors", f"panic: {error}")
-        return outcome
-    finally:
-        outcome.seconds = time.perf_counter() - started
     answer = _look_at(problem, found, evidence)
     outcome.counts["hypotheses"] += len(found.hypotheses)
     outcome.counts["incomplete"] += not found.complete

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import time
-from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from itertools import islice
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from .checked import Outcome
 from .solid_oracle import Slack, angle_between, tolerance, valid
 from .solid_particles import Settings, in_ball, rotations, search
-from .solid_problems import Problem, for_core, random_problem
+from .solid_problems import Problem, for_core, kept_model, random_problem
 from .solids import Array, Mask, Solid
 
 #: What must not happen, in the order of the table: its counter, and what to call it.
@@ -33,29 +32,17 @@ TOLERANCE = 1e-6
 #: A pose that is valid by so much more than it must be, relative to the size and in radians, is surely valid.
 MARGIN = 2e-6
 
+#: What the core may take for a problem; what it has by then is an answer that is not complete.
+MOST_SECONDS = 20
+
 MOST_HYPOTHESES = 6
 NUM_SAMPLES = 6
 NUM_NEIGHBOURS = 24
 #: In one problem of so many all poses are searched, not only near the truth.
 SEARCHED = 4
-SEARCH = Settings(num_places=8000, num_first=4000, num_particles=800, most_kept=100, num_lowered=8)
-
-
-@dataclass
-class Outcome:
-    """What was counted for a problem, what was wrong, and how long the core took, seconds."""
-
-    seed: int
-    family: str
-    counts: Counter[str] = field(default_factory=Counter)
-    faults: list[str] = field(default_factory=list)
-    seconds: float = 0.0
-
-    def expect(self, holds: bool, fault: str, said: str = "") -> None:
-        """Count a fault where something does not hold."""
-        if not holds:
-            self.counts[fault] += 1
-            self.faults.append(f"{FAULTS[fault]}{': ' if said else ''}{said}")
+SEARCH = Settings(
+    num_places=8000, num_paired=350, num_first=2000, num_particles=800, most_kept=100, num_lowered=8
+)
 
 
 @dataclass(frozen=True)
@@ -94,8 +81,8 @@ def recognized(problem: Problem) -> tuple[Sequence[Any], Any]:
     """The core's models and its answer."""
     from palpate import recognize
 
-    given = for_core(problem)
-    return given["models"], recognize(**given)
+    given = for_core(problem, kept_model)
+    return given["models"], recognize(**given, time_limit=MOST_SECONDS)
 
 
 def check(
@@ -105,7 +92,7 @@ def check(
 ) -> Outcome:
     """Put the problem of this seed to the core and check the answer."""
     problem = random_problem(seed, parts)
-    outcome = Outcome(seed, problem.family, Counter(problems=1))
+    outcome = Outcome(seed, problem.family, FAULTS)
     nothing = tolerance(problem.solid, problem.contacts, 1e-9)
     truth = problem.world_from_model[None]
     assert valid(
@@ -117,20 +104,11 @@ def check(
         prior=problem.prior,
         kinds=problem.kinds,
     )[0], f"problem {seed} does not agree with its own truth"
-    started = time.perf_counter()
-    try:
-        models, found = recognizer(problem)
-    except Exception as error:
-        outcome.expect(False, "errors", str(error))
+    answered = outcome.answer(partial(recognizer, problem))
+    if answered is None:
         return outcome
-    except BaseException as error:  # a panic of the core is none of Exception's
-        if isinstance(error, (KeyboardInterrupt, SystemExit)):
-            raise
-        outcome.expect(False, "errors", f"panic: {error}")
-        return outcome
-    finally:
-        outcome.seconds = time.perf_counter() - started
-    answer = Answer(problem, models, found)
+    answer = Answer(problem, *answered)
+    found = answer.found
     outcome.counts["hypotheses"] += len(found.hypotheses)
     outcome.counts["interpretations"] += int(found.interpretation_count)
     outcome.counts["incomplete"] += not found.complete
@@ -146,7 +124,10 @@ def _check_truth(answer: Answer, outcome: Outcome) -> None:
     mine = answer.of(problem.true)
     containing = [one for one in mine if one.poses.contains(problem.world_from_model)]
     outcome.counts["marginal"] += sum(one.marginal for one in containing)
-    if containing or not answer.found.complete:
+    if containing:
+        return
+    if not answer.found.complete:
+        outcome.counts["incomplete_without_truth"] += 1
         return
     outcome.expect(bool(mine), "truths_lost")
     outcome.expect(not mine, "poses_lost")
@@ -156,17 +137,26 @@ def _check_hypotheses(answer: Answer, outcome: Outcome) -> None:
     """Witnesses and samples are valid, contained, and within the bounds that the hypothesis states."""
     problem = answer.problem
     for number, model in enumerate(answer.models):
-        for one in islice(answer.of(number), MOST_HYPOTHESES):
-            witness = np.asarray(one.world_from_model)[None]
-            samples = np.asarray(one.poses.sample(NUM_SAMPLES, seed=problem.seed)).reshape(-1, 4, 4)
+        hypotheses = answer.of(number)[:MOST_HYPOTHESES]
+        if not hypotheses:
+            continue
+        # Of each the witness, then samples.
+        poses = [_witness_and_samples(one, problem.seed) for one in hypotheses]
+        held = answer.held(number, np.concatenate(poses), sure=False)
+        ends = np.cumsum([len(some) for some in poses])
+        for one, some, valid_ones in zip(hypotheses, poses, np.split(held, ends[:-1]), strict=True):
             said = f"of {model.name}"
-            outcome.counts["poses_checked"] += 1 + len(samples)
-            outcome.expect(bool(answer.held(number, witness, sure=False)[0]), "invalid_witnesses", said)
-            outcome.expect(bool(answer.held(number, samples, sure=False).all()), "invalid_samples", said)
-            contained = all(one.poses.contains(pose) for pose in samples)
+            outcome.counts["poses_checked"] += len(some)
+            outcome.expect(bool(valid_ones[0]), "invalid_witnesses", said)
+            outcome.expect(bool(valid_ones[1:].all()), "invalid_samples", said)
+            contained = all(one.poses.contains(pose) for pose in some[1:])
             outcome.expect(contained, "invalid_samples", f"not contained, {said}")
-            poses = np.concatenate([witness, samples])
-            _check_bounds(problem.solids[number], one, poses, outcome=outcome, seed=problem.seed)
+            _check_bounds(problem.solids[number], one, some, outcome=outcome, seed=problem.seed)
+
+
+def _witness_and_samples(one: Any, seed: int) -> Array:
+    samples = np.asarray(one.poses.sample(NUM_SAMPLES, seed=seed)).reshape(-1, 4, 4)
+    return np.concatenate([np.asarray(one.world_from_model)[None], samples])
 
 
 def _check_bounds(solid: Solid, one: Any, poses: Array, *, outcome: Outcome, seed: int) -> None:
@@ -205,6 +195,7 @@ def _check_others(answer: Answer, outcome: Outcome) -> None:
             if surely and answer.found.complete:
                 outcome.expect(contained, "valid_poses_lost", f"of {solid.name}: {pose.tolist()}")
             if contained and not moved:
+                outcome.counts["contained"] += 1
                 outcome.expect(bool(possible), "falsely_contained", f"of {solid.name}: {pose.tolist()}")
 
 

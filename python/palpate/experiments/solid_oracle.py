@@ -19,16 +19,16 @@ from typing import Any
 
 import numpy as np
 
-from .solid_sweeps import least_distances, to_triangles
-from .solids import Array, Cone, Mask, Solid
+from .solid_sweeps import keep_off, nearest, to_segments, to_triangles
+from .solids import Array, Cone, Edges, Mask, Solid
 
-#: Rounding, as a share of the lengths that occur.
+#: Rounding, as a share of the lengths that occur; what is left out for its distance is farther by as much.
 ROUNDING = 1e-11
 #: Points of a circle or sphere of normals that are this near to an allowed one, as a cosine or sine, are
 #: allowed.
 ON_BOUND = 1e-12
-#: Distances that are held in memory at once.
-MOST_AT_ONCE = 400_000
+#: Pairs of a pose and an edge that are looked at at once.
+MOST_AT_ONCE = 100_000
 
 ALL_KINDS = ("face", "edge", "vertex")
 
@@ -106,78 +106,72 @@ def gaps(  # noqa: PLR0917 - as above
     radius = float(contact.tip_radius)
     best = np.full(len(poses), np.inf)
     if "face" in kinds:
-        best = np.minimum(best, _face_gaps(solid, center, bounds, radius=radius))
+        best = np.minimum(best, _face_gaps(solid, center, bounds, radius=radius, most=most))
     if "edge" in kinds:
-        best = np.minimum(best, _edge_gaps(solid, center, bounds, radius=radius))
-    if "vertex" in kinds:
-        for cone in solid.cones:
-            far = np.linalg.norm(center - cone.point, axis=1)
-            near = np.abs(far - radius) <= most  # whichever normals are allowed
-            if near.any():
-                part = [(direction[near], least) for direction, least in bounds]
-                gap = _vertex_gaps(cone, center[near], part, radius=radius)
-                best[near] = np.minimum(best[near], gap)
+        best = np.minimum(best, _edge_gaps(solid, center, bounds, radius=radius, most=most))
+    if "vertex" in kinds and solid.cones:
+        apart = np.linalg.norm(center[:, None] - np.array([cone.point for cone in solid.cones]), axis=2)
+        # Whichever normals are allowed.
+        near = np.abs(apart - radius) <= most * (1.0 + ROUNDING) + ROUNDING * solid.size
+        for number in np.flatnonzero(near.any(axis=0)):
+            some = near[:, number]
+            part = [(direction[some], least) for direction, least in bounds]
+            gap = _vertex_gaps(solid.cones[number], center[some], part, radius=radius)
+            best[some] = np.minimum(best[some], gap)
     return best
 
 
 Bounds = Sequence[tuple[Array, float]]
 
 
-def _face_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float) -> Array:
+def _face_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float, most: float) -> Array:
     """Of centres `(p, 3)`, model frame, to the triangles moved out by the radius."""
-    agree = np.ones((len(center), len(solid.normals)), dtype=bool)
+    out = radius * solid.normals
+    middles, radii = solid.balls
+    agree = np.broadcast_to(solid.areas > 0.0, (len(center), len(radii)))
     for direction, least in bounds:
-        agree &= direction @ solid.normals.T >= least - ON_BOUND
-    best = np.full(len(center), np.inf)
-    step = max(1, MOST_AT_ONCE // max(1, len(center)))
-    placed = solid.corners + radius * solid.normals[:, None]
-    candidates = np.flatnonzero(agree.any(axis=0) & (solid.areas > 0.0))
-    for first in range(0, len(candidates), step):
-        some = candidates[first : first + step]
-        poses, triangles = np.nonzero(agree[:, some])
-        distances = to_triangles(center[poses], placed[some[triangles]])
-        np.minimum.at(best, poses, distances)
-    return best
+        agree = agree & (direction @ solid.normals.T >= least - ON_BOUND)
+    apart = np.full(agree.shape, np.inf)
+    poses, triangles = np.nonzero(agree)
+    apart[poses, triangles] = np.linalg.norm(center[poses] - (middles + out)[triangles], axis=1)
+    placed = solid.corners + out[:, None]
+    return nearest(apart, radii, lambda p, t: to_triangles(center[p], placed[t]), most)
 
 
-def _edge_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float) -> Array:
+def _edge_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float, most: float) -> Array:
     """To the parts of cylinders about the convex edges whose normals are allowed.
 
     All normals of an edge are square to it, so where the tip is along it and around it are apart. Around it,
     the nearest allowed normal is straight from the edge or an end of one of the ranges that bound it.
     """
     edges = solid.edges
-    if not len(edges.starts):
-        return np.full(len(center), np.inf)
     best = np.full(len(center), np.inf)
-    step = max(1, MOST_AT_ONCE // len(edges.starts))
-    for first in range(0, len(center), step):
-        some = slice(first, first + step)
-        part = [(direction[some], least) for direction, least in bounds]
-        best[some] = _around_edges(solid, center[some], part, radius=radius)
+    # From the edge itself; whichever normals are allowed, no gap is less.
+    apart = np.abs(to_segments(center[:, None], edges.starts, edges.ends) - radius)
+    poses, numbers = np.nonzero(apart <= most * (1.0 + ROUNDING) + ROUNDING * solid.size)
+    for first in range(0, len(poses), MOST_AT_ONCE):
+        pose, edge = poses[first : first + MOST_AT_ONCE], numbers[first : first + MOST_AT_ONCE]
+        part = [(direction[pose], least) for direction, least in bounds]
+        np.minimum.at(best, pose, _around_edges(edges.only(edge), center[pose], part, radius=radius))
     return best
 
 
-def _around_edges(solid: Solid, center: Array, bounds: Bounds, *, radius: float) -> Array:
-    edges = solid.edges
+def _around_edges(edges: Edges, center: Array, bounds: Bounds, *, radius: float) -> Array:
+    """Of centres to as many edges."""
     along = edges.ends - edges.starts
     lengths = np.linalg.norm(along, axis=1)
     along = along / lengths[:, None]
     across = np.cross(along, edges.first_normals)  # with the first normal, a frame square to the edge
-    width = np.arctan2(
-        np.einsum("ei,ei->e", edges.second_normals, across),
-        np.einsum("ei,ei->e", edges.second_normals, edges.first_normals),
-    )
-    offset = center[:, None] - edges.starts
-    at = np.einsum("pei,ei->pe", offset, along)
+    width = np.arctan2(_dots(edges.second_normals, across), _dots(edges.second_normals, edges.first_normals))
+    offset = center - edges.starts
+    at = _dots(offset, along)
     beyond = np.maximum(np.maximum(-at, at - lengths), 0.0)
-    x = np.einsum("pei,ei->pe", offset, edges.first_normals)
-    y = np.einsum("pei,ei->pe", offset, across)
+    x, y = _dots(offset, edges.first_normals), _dots(offset, across)
     # Each range of angles as cos(angle − middle) >= least.
     ranges = [(0.5 * width, np.cos(0.5 * width))]
-    tried = [np.arctan2(y, x), np.zeros_like(x), np.broadcast_to(width, x.shape)]
+    tried = [np.arctan2(y, x), np.zeros_like(x), width]
     for direction, least in bounds:
-        u, v = direction @ edges.first_normals.T, direction @ across.T
+        u, v = _dots(direction, edges.first_normals), _dots(direction, across)
         size = np.maximum(np.hypot(u, v), 1e-300)
         middle, cosine = np.arctan2(v, u), least / size
         ranges.append((middle, cosine))
@@ -188,7 +182,11 @@ def _around_edges(solid: Solid, center: Array, bounds: Bounds, *, radius: float)
         allowed = np.all([np.cos(angle - middle) >= least - ON_BOUND for middle, least in ranges], axis=0)
         aside = np.hypot(x - radius * np.cos(angle), y - radius * np.sin(angle))
         best = np.minimum(best, np.where(allowed, np.hypot(aside, beyond), np.inf))
-    return np.asarray(best.min(axis=1))
+    return best
+
+
+def _dots(first: Array, second: Array) -> Array:
+    return np.einsum("ni,ni->n", first, second)
 
 
 def _vertex_gaps(cone: Cone, center: Array, bounds: Bounds, *, radius: float) -> Array:
@@ -249,12 +247,12 @@ def clear(  # noqa: PLR0917 - as above
     """
     held = np.ones(len(poses), dtype=bool)
     for start, end, clearance in sweeps(contacts, misses):
-        for number in np.flatnonzero(held):
-            turn, shift = poses[number, :3, :3], poses[number, :3, 3]
-            ends = (start - shift) @ turn, (end - shift) @ turn
-            low, high = least_distances(solid, *ends)
-            least = low if slack.length < 0.0 else high
-            held[number] = least >= clearance - slack.length
+        # In the model's frame: `(point − shift) @ turn` of each pose.
+        starts, ends = (
+            np.einsum("pji,pj->pi", poses[held, :3, :3], point - poses[held, :3, 3]) for point in (start, end)
+        )
+        least = clearance - slack.length
+        held[held] = keep_off(solid, starts, ends, least=least, cautious=slack.length < 0.0)
     return held
 
 

@@ -179,7 +179,9 @@ def _first(
     i, j = (one.ravel() for one in np.nonzero(~np.eye(len(some), dtype=bool)))
     size = float(np.ptp(places.points, axis=0).max())
     room = max(float(readings.position_errors.max()), 0.5 * size / np.sqrt(len(some)))
-    tree = cKDTree(_features(points[i], points[j], normals[i], normals[j], room=room))
+    # Half a million pairs are asked for a few times: a tree that is made fast is the better one.
+    features = _features(points[i], points[j], normals[i], normals[j], room=room)
+    tree = cKDTree(features, balanced_tree=False, compact_nodes=False)
     pairs = _telling_pairs(readings)
     each = settings.num_first // len(pairs)
     found = []
@@ -283,16 +285,16 @@ class _Seen:
     heights: Array  # along the placed normal, (p, n)
     asides: Array  # across it, beyond the spacing of the places
     angles: Array
-    normals: Array  # in the world, (p, n, 3)
-    offsets: Array  # centre − placed point, (p, n, 3)
+    normals: Array  # of the place, model frame, (p, n, 3)
+    offsets: Array  # centre − point, model frame, (p, n, 3)
 
 
 def _see(places: Places, readings: Readings, poses: Array) -> _Seen:
     turns, shifts = poses[:, :3, :3], poses[:, :3, 3]
-    centers = np.einsum("pji,pnj->pni", turns, readings.centers - shifts[:, None])
+    centers = (readings.centers - shifts[:, None]) @ turns
     asked = centers
     if places.scale > 0.0:
-        own = np.einsum("pji,nj->pni", turns, readings.normals)
+        own = readings.normals @ turns
         asked = np.concatenate([centers, places.scale * own], axis=2)
     _, near = places.tree.query(asked.reshape(-1, asked.shape[2]))
     near = near.reshape(centers.shape[:2])
@@ -307,8 +309,8 @@ def _see(places: Places, readings: Readings, poses: Array) -> _Seen:
         heights,
         np.maximum(asides - places.spacing, 0.0),
         angles,
-        np.einsum("pij,pnj->pni", turns, normals),
-        np.einsum("pij,pnj->pni", turns, offsets),
+        normals,
+        offsets,
     )
 
 
@@ -326,19 +328,20 @@ def step(places: Places, readings: Readings, poses: Array) -> Array:
     """A step of damped least squares on heights and normals, each with the places that are nearest now."""
     seen = _see(places, readings, poses)
     pivot = readings.centers.mean(axis=0)
-    arms = readings.centers - pivot - seen.offsets
+    normals, offsets = (one @ poses[:, :3, :3].swapaxes(1, 2) for one in (seen.normals, seen.offsets))
+    arms = readings.centers - pivot - offsets
     weight = 1.0 / readings.position_errors[:, None]
     # A turn ω and a shift t of the part move its point by ω × arm + t; what is left along the normal shrinks
     # by that.
-    lines = np.concatenate([np.cross(arms, seen.normals), seen.normals], axis=2) * weight
+    lines = np.concatenate([np.cross(arms, normals), normals], axis=2) * weight
     left = seen.heights * weight[:, 0]
     system = np.einsum("pni,pnj->pij", lines, lines)
     target = np.einsum("pni,pn->pi", lines, left)
     if places.scale > 0.0:
         weights = 1.0 / readings.normal_errors**2
-        outer = np.einsum("pni,pnj,n->pij", seen.normals, seen.normals, weights)
+        outer = np.einsum("pni,pnj,n->pij", normals, normals, weights)
         system[:, :3, :3] += weights.sum() * np.eye(3) - outer
-        target[:, :3] += np.einsum("pni,n->pi", np.cross(seen.normals, readings.normals), weights)
+        target[:, :3] += np.einsum("pni,n->pi", np.cross(normals, readings.normals), weights)
     reach = max(1.0, float(np.linalg.norm(readings.centers - pivot, axis=1).max()))
     error = float(readings.position_errors.min())
     damping = np.diag([(0.03 * reach / error) ** 2] * 3 + [(0.03 / error) ** 2] * 3)

@@ -7,16 +7,17 @@ bounds.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from .random_solids import random_solid
 from .solid_oracle import ALL_KINDS
 from .solid_particles import in_ball, rotations
-from .solid_sweeps import least_distances
+from .solid_sweeps import keep_off, outside
 from .solids import Array, Solid
 
 Random = np.random.Generator
@@ -98,8 +99,7 @@ class Bounds:
 def random_problem(seed: int, parts: Sequence[Solid] = ()) -> Problem:
     """The problem of this seed, of one of the parts in two of three."""
     random = np.random.default_rng(seed)
-    shares = np.array(list(FAMILIES.values()), dtype=float)
-    family = list(FAMILIES)[int(random.choice(len(shares), p=shares / shares.sum()))]
+    family = _family(random)
     count = int(random.integers(2, 5)) if family == "library" else 1
     solids = tuple(_part(random, parts) for _ in range(count))
     true = int(random.integers(count))
@@ -121,6 +121,17 @@ def random_problem(seed: int, parts: Sequence[Solid] = ()) -> Problem:
     known = bounds.bare or random.random() < 0.1
     prior = _random_prior(random, truth) if known else None
     return Problem(seed, family, solids, true, truth, tuple(contacts), misses, prior)
+
+
+def family_of(seed: int) -> str:
+    """The family of the problem of this seed."""
+    return _family(np.random.default_rng(seed))
+
+
+def _family(random: Random) -> str:
+    """What is drawn first of a problem."""
+    shares = np.array(list(FAMILIES.values()), dtype=float)
+    return list(FAMILIES)[int(random.choice(len(shares), p=shares / shares.sum()))]
 
 
 def log_uniform(random: Random, low: float, high: float) -> float:
@@ -269,8 +280,8 @@ def _with_start(random: Random, touch: Touch, solid: Solid, *, truth: Array) -> 
         back = tilted(random, base / np.linalg.norm(base), float(random.uniform(0.0, 1.0)))
         start = touch.center + (touch.position_error + log_uniform(random, 2.0, 200.0)) * back
         end = touch.center + touch.position_error * back
-        least, _ = least_distances(solid, _in_model(truth, start), _in_model(truth, end))
-        if least >= touch.tip_radius - touch.position_error:
+        ends = _in_model(truth, start)[None], _in_model(truth, end)[None]
+        if keep_off(solid, *ends, least=touch.tip_radius - touch.position_error, cautious=True)[0]:
             return replace(touch, start=start)
     return touch
 
@@ -284,7 +295,7 @@ def _random_miss(random: Random, solid: Solid, truth: Array) -> Sweep | None:
         direction = tilted(random, normal, 0.5 * math.pi + float(random.normal(0.0, 0.5)))
         before, after = log_uniform(random, 2.0, 200.0), log_uniform(random, 2.0, 200.0)
         ends = near - before * direction, near + after * direction
-        least, _ = least_distances(solid, *ends)
+        least = outside(solid, *ends)
         if least <= 0.0:
             continue
         share = 1.0 - 1e-12 if random.random() < 1.0 / 3.0 else float(random.random())
@@ -294,8 +305,27 @@ def _random_miss(random: Random, solid: Solid, truth: Array) -> Sweep | None:
     return None
 
 
-def for_core(problem: Problem) -> dict[str, Any]:
-    """The arguments of `palpate.recognize`."""
+def new_model(solid: Solid, name: str) -> Any:
+    """The core's model of a solid."""
+    import palpate
+
+    return palpate.Model.mesh(solid.vertices, solid.triangles, name=name)
+
+
+#: Models by their solid, and by their name among the models of a problem.
+_KEPT: WeakKeyDictionary[Solid, dict[str, Any]] = WeakKeyDictionary()
+
+
+def kept_model(solid: Solid, name: str) -> Any:
+    """The core's model of a solid, with the tables that it has made by now: one for all problems."""
+    known = _KEPT.setdefault(solid, {})
+    if name not in known:
+        known[name] = new_model(solid, name)
+    return known[name]
+
+
+def for_core(problem: Problem, model_of: Callable[[Solid, str], Any] = new_model) -> dict[str, Any]:
+    """The arguments of `palpate.recognize`, its models new or as told."""
     import palpate
 
     contacts = [
@@ -318,9 +348,5 @@ def for_core(problem: Problem) -> dict[str, Any]:
     if problem.prior is not None:
         known = problem.prior
         prior = palpate.Prior(known.world_from_model, translation=known.translation, rotation=known.rotation)
-    mesh: Any = palpate.Model.mesh  # type: ignore[attr-defined, unused-ignore] # older cores know the plane alone
-    models = [
-        mesh(solid.vertices, solid.triangles, name=f"{number}-{solid.name}")
-        for number, solid in enumerate(problem.solids)
-    ]
+    models = [model_of(solid, f"{number}-{solid.name}") for number, solid in enumerate(problem.solids)]
     return {"models": models, "contacts": contacts, "misses": misses, "prior": prior}

@@ -41,6 +41,15 @@ class Edges:
     first_normals: Array
     second_normals: Array
 
+    def only(self, numbers: Numbers) -> Edges:
+        """Those of some numbers, in their order."""
+        return Edges(
+            self.starts[numbers],
+            self.ends[numbers],
+            self.first_normals[numbers],
+            self.second_normals[numbers],
+        )
+
 
 @dataclass(frozen=True)
 class Cone:
@@ -54,9 +63,12 @@ class Cone:
     rays: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solid:
-    """Triangles of a part, counter-clockwise from outside: `vertices` `(v, 3)`, `triangles` `(t, 3)`."""
+    """Triangles of a part, counter-clockwise from outside: `vertices` `(v, 3)`, `triangles` `(t, 3)`.
+
+    Each is only equal to itself, so that what is known of it can be kept.
+    """
 
     name: str
     vertices: Array
@@ -83,6 +95,12 @@ class Solid:
         lengths = np.linalg.norm(self._crosses, axis=1, keepdims=True)
         units = np.divide(self._crosses, lengths, out=np.zeros_like(self._crosses), where=lengths > 0.0)
         return np.asarray(units)
+
+    @cached_property
+    def balls(self) -> tuple[Array, Array]:
+        """A ball that holds each triangle: middles `(t, 3)` and radii `(t,)`."""
+        middles = 0.5 * (self.corners.min(axis=1) + self.corners.max(axis=1))
+        return middles, np.linalg.norm(self.corners - middles[:, None], axis=2).max(axis=1)
 
     @cached_property
     def size(self) -> float:
