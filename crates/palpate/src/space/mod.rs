@@ -7,6 +7,7 @@ mod cell;
 mod cones;
 mod distance;
 mod edges;
+mod extent;
 mod facets;
 mod first_cells;
 mod free;

@@ -54,6 +54,8 @@ pub struct TrueSet {
     pivot: DVec3,
     /// The size of the part: a turn moves it by so much.
     size: f64,
+    /// Steps turn nothing.
+    keeps_rotation: bool,
 }
 
 /// What two poses are compared by.
@@ -182,12 +184,34 @@ impl TrueSet {
             })
             .collect();
         let pivot = contacts.iter().map(|contact| contact.center).sum::<DVec3>() / contacts.len() as f64;
-        Some(Self { matches: matches?, pivot, size: model.size })
+        Some(Self { matches: matches?, pivot, size: model.size, keeps_rotation: false })
+    }
+
+    /// The same set, of which only poses with the rotation of the start are looked for.
+    pub fn at_one_rotation(&self) -> Self {
+        Self { keeps_rotation: true, ..self.clone() }
     }
 
     fn step(&self, turn: DVec3, shift: DVec3) -> Step {
-        let turn = turn / self.size;
+        let turn = if self.keeps_rotation { DVec3::ZERO } else { turn / self.size };
         [turn.x, turn.y, turn.z, shift.x, shift.y, shift.z]
+    }
+
+    /// How a lever's end moves, seen from the part, by component `k` of the turn.
+    fn turned(&self, k: usize, lever: DVec3) -> DVec3 {
+        if self.keeps_rotation { DVec3::ZERO } else { lever.cross(DVec3::AXES[k]) / self.size }
+    }
+
+    /// The largest distance found from a pose, valid or not, to one of the set; `poses` are valid.
+    pub fn reach(&self, poses: &[Pose], measure: Measure, from: Pose) -> f64 {
+        let apart = |pose: Pose| measure.apart(pose, from);
+        let mut order: Vec<Pose> = poses.to_vec();
+        order.sort_by(|a, b| apart(*b).total_cmp(&apart(*a)));
+        let ends = order.iter().take(NUM_PAIRS).map(|pose| {
+            let climbed = self.farthest(*pose, &|pose| measure.away(self, pose, from));
+            apart(climbed).max(apart(*pose))
+        });
+        ends.fold(0.0, f64::max)
     }
 
     fn moved(&self, pose: Pose, step: &Step, share: f64) -> Pose {
@@ -246,16 +270,15 @@ impl TrueSet {
             let left = 1.0 - offset.length_squared() / square;
             let slope = self.step(lever.cross(offset) * 2.0 / square, offset * 2.0 / square);
             // How the contact moves in the face's frame, for each component of the step.
-            let ways: [DVec3; 6] = std::array::from_fn(|k| {
-                if k < 3 { lever.cross(DVec3::AXES[k]) / self.size } else { -DVec3::AXES[k - 3] }
-            });
+            let ways: [DVec3; 6] =
+                std::array::from_fn(|k| if k < 3 { self.turned(k, lever) } else { -DVec3::AXES[k - 3] });
             add(left, slope, &|j, k| 2.0 * ways[j].dot(projection * ways[k]) / square);
             let (sensed, normal) = (one.sensed, pose.rotation * one.normal);
             let scale = 1.0 / (1.0 - one.error.cos());
             let cosine = sensed.dot(normal);
             let slope = self.step(scale * normal.cross(sensed), DVec3::ZERO);
             add(share_of_cone(one, cosine), slope, &|j, k| {
-                if j >= 3 || k >= 3 {
+                if j >= 3 || k >= 3 || self.keeps_rotation {
                     return 0.0;
                 }
                 let mixed = 0.5 * (sensed[j] * normal[k] + normal[j] * sensed[k]);
@@ -387,8 +410,11 @@ fn directions() -> impl Iterator<Item = DVec3> {
 
 /// The largest distance found between two poses of sets, each with poses of its own to begin with.
 pub fn diameter(sets: &[(TrueSet, Vec<Pose>)], measure: Measure) -> f64 {
-    let all: Vec<(usize, Pose)> =
-        sets.iter().enumerate().flat_map(|(k, (_, poses))| poses.iter().map(move |pose| (k, *pose))).collect();
+    let all: Vec<(usize, Pose)> = sets
+        .iter()
+        .enumerate()
+        .flat_map(|(k, (_, poses))| poses.iter().map(move |pose| (k, *pose)))
+        .collect();
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for k in 0..all.len() {
         for j in 0..k {

@@ -44,8 +44,7 @@ pub fn solid(random: &mut Rng) -> Arc<Model> {
         2 => {
             let [a, b, c] = [0, 1, 2].map(|_| uniform(random, 0.5, 1.0));
             let [t, s] = [0, 1].map(|_| uniform(random, 0.1, 0.2));
-            let outline =
-                [(0.0, 0.0), (a, 0.0), (a, b), (a - t, b), (a - t, s), (t, s), (t, c), (0.0, c)];
+            let outline = [(0.0, 0.0), (a, 0.0), (a, b), (a - t, b), (a - t, s), (t, s), (t, c), (0.0, c)];
             let pieces = [vec![0, 1, 4, 5], vec![1, 2, 3, 4], vec![0, 5, 6, 7]];
             prism(&outline, &pieces, uniform(random, 0.2, 1.0))
         }

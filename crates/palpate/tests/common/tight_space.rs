@@ -72,8 +72,7 @@ pub fn measure(problem: &Problem) -> Measured {
                 .collect()
         })
         .flatten();
-    let hypothesis =
-        all.filter(|all| !all.is_empty()).map(|all| ratios(&hypothesis.poses, &all, point));
+    let hypothesis = all.filter(|all| !all.is_empty()).map(|all| ratios(&hypothesis.poses, &all, point));
     Measured { interpretation, hypothesis }
 }
 
