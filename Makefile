@@ -67,6 +67,7 @@ accuracy: .venv/.built ## measure bounds against dense sampling; writes docs/acc
 	$(call FIGURE,tightness,docs/accuracy.md)
 	$(call FIGURE,tightness_space,docs/accuracy.md)
 	$(call FIGURE,thesis_bounds,docs/accuracy.md)
+	$(call FIGURE,thesis_bounds_space,docs/accuracy.md)
 
 campaign-plane: .venv/.built .venv/.cluster ## 100,000 random planar problems: is anything true lost? resumes where it was stopped
 	$(BIN)/python -m palpate.experiments.campaign_plane $(ARGS)

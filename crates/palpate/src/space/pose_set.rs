@@ -13,6 +13,7 @@ use super::model::{Model, Symmetry};
 use super::pose::{self, Pose};
 use super::site::Site;
 use super::solve::{self, Witness};
+use super::thesis::ThesisPose;
 use crate::dimension::Poses;
 use crate::feature::Feature;
 use crate::hypothesis::{Count, choices};
@@ -290,6 +291,13 @@ impl PoseSet {
         let Some(base) = cells.iter().flatten().next().map(Cell::rotation) else { return 0.0 };
         let bound = self.extent_of(cells, 0).diameter(|axis, cell| placed(cell, axis, base, point_model));
         bound + 4.0 * self.case.outward()
+    }
+
+    /// The thesis's own pose and bounds of its first assignment; `None` where they are not defined: contacts on edges or
+    /// vertices or without normals, no three faces independent.
+    #[must_use]
+    pub fn thesis_pose(&self) -> Option<ThesisPose> {
+        ThesisPose::new(&self.case, &self.attempts().flatten().next()?)
     }
 
     /// The poses of one of its assignments, alone.

@@ -460,18 +460,19 @@ pub fn diameter(sets: &[(TrueSet, Vec<Pose>)], measure: Measure) -> f64 {
 fn solve(mut hessian: [[f64; 6]; 6], gradient: Step) -> Step {
     let mut right = gradient;
     let trace: f64 = (0..6).map(|k| hessian[k][k]).sum();
-    for k in 0..6 {
-        hessian[k][k] += 1e-12 * trace;
+    for (k, row) in hessian.iter_mut().enumerate() {
+        row[k] += 1e-12 * trace;
     }
     for k in 0..6 {
         let pivot = (k..6).max_by(|a, b| hessian[*a][k].abs().total_cmp(&hessian[*b][k].abs()));
         let pivot = pivot.expect("not empty");
         hessian.swap(k, pivot);
         right.swap(k, pivot);
+        let own = hessian[k];
         for row in k + 1..6 {
-            let factor = hessian[row][k] / hessian[k][k];
-            for column in k..6 {
-                hessian[row][column] -= factor * hessian[k][column];
+            let factor = hessian[row][k] / own[k];
+            for (entry, above) in hessian[row].iter_mut().zip(own) {
+                *entry -= factor * above;
             }
             right[row] -= factor * right[k];
         }
