@@ -65,7 +65,9 @@ speed: .venv/.built ## measure times and memory; writes docs/speed.md and its pi
 
 accuracy: .venv/.built ## measure bounds against dense sampling; writes docs/accuracy.md anew
 	$(call FIGURE,tightness,docs/accuracy.md)
+	$(call FIGURE,tightness_space,docs/accuracy.md)
 	$(call FIGURE,thesis_bounds,docs/accuracy.md)
+	$(call FIGURE,thesis_bounds_space,docs/accuracy.md)
 
 campaign-plane: .venv/.built .venv/.cluster ## 100,000 random planar problems: is anything true lost? resumes where it was stopped
 	$(BIN)/python -m palpate.experiments.campaign_plane $(ARGS)

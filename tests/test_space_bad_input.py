@@ -21,8 +21,7 @@ def hypotheses():
 IDLE = SimpleNamespace(touch=print, move=print, position=print)
 PLANE_ONLY = [
     lambda: hypotheses()[0].poses.outline((0, 0, 0)),
-    lambda: hypotheses()[0].poses.thesis_pose,
-    lambda: next(iter(hypotheses()[0].interpretations)).poses.thesis_pose,
+    lambda: hypotheses()[0].poses.thesis_pose.excursion((0, 0, 0)),
     lambda: bracket().first_contact(np.eye(4), (0, 0, 90), (0, 0, -1)),
     lambda: palpate.plan(hypotheses(), usual_sensor()),
     lambda: palpate.plan_report(hypotheses(), usual_sensor()),

@@ -345,3 +345,24 @@ def test_a_signal_ends_a_long_recognition():
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+
+
+def test_the_thesis_has_a_pose_in_space():
+    poses = palpate.recognize([bracket()], touches()).hypotheses[0].poses
+    thesis = poses.thesis_pose
+    nominal = thesis.world_from_model
+    assert nominal.shape == (4, 4) and poses.contains(nominal)
+    np.testing.assert_array_equal(nominal[:3, :3], thesis.rotation)
+    np.testing.assert_array_equal(nominal[:3, 3], thesis.translation)
+    np.testing.assert_allclose(thesis.first_rotation, POSE[:3, :3], atol=1e-9)
+    assert poses.rotation_bound < thesis.residual_rotation < 0.3
+    assert 0 < thesis.rotation_error < 0.5 * thesis.residual_rotation
+    # Corners of the translations: three faces at right angles, a cube.
+    away = np.linalg.norm(thesis.translation_region - thesis.translation, axis=1)
+    np.testing.assert_allclose(away, thesis.translation_error, atol=1e-6)
+    assert repr(thesis).startswith("<ThesisPose rotation ")
+
+
+def test_a_single_contact_has_no_thesis_pose():
+    hypotheses = palpate.recognize([bracket()], touches()[:1]).hypotheses
+    assert all(one.poses.thesis_pose is None for one in hypotheses)

@@ -495,46 +495,61 @@ Raises:
         r"Whether every witness needs the tolerance."
     };
     ("PoseSet.thesis_pose") => {
-        r"The thesis's own pose and bounds of the first assignment (2.2.3, 2.4).
+        r"The thesis's own pose and bounds of the first assignment (2.2.3, 2.4; in space 2.5).
 
-None where they are not defined: a contact on a vertex or without a normal, or all faces parallel. In the plane only.
-
-Raises:
-    ValueError: Poses in space."
+None where they are not defined: a contact that is not on a face or has no normal; in the plane all faces parallel, in space
+no three faces independent."
     };
     ("ThesisPose") => {
-        r"The thesis's nominal pose of an interpretation and its bounds (2.2.3, 2.4), corrected by MATH errata 37-43.
+        r"The thesis's nominal pose of an interpretation and its bounds (2.2.3, 2.4, 2.5), with its misprints corrected.
 
 They describe one pose, not the set of all poses; `PoseSet` does that. `docs/accuracy.md` compares the two."
     };
     ("ThesisPose.world_from_model") => {
-        r"The nominal pose: `rotation` and `translation`, shape `(3, 3)`."
+        r"The nominal pose: `rotation` and `translation`, shape `(d + 1, d + 1)`."
     };
     ("ThesisPose.first_rotation") => {
-        r"θ, which takes the first face's normal to its sensed one; radians (2.4)."
+        r"In the plane θ, which takes the first face's normal to its sensed one; radians (2.4).
+
+In space the matrix by axis and angle from the two data whose normals are nearest to a right angle, shape `(3, 3)`; None if
+their axis is not defined (2.2.3.1)."
     };
     ("ThesisPose.rotation") => {
-        r"φ, the middle of the rotations that all normals leave; radians (eq. 2.2)."
+        r"In the plane φ, the middle of the rotations that all normals leave; radians (eq. 2.2).
+
+In space the matrix that fits all normals best by least squares, shape `(3, 3)`."
     };
     ("ThesisPose.residual_rotation") => {
-        r"γ, the width of the rotations that all normals leave; radians (2.4.1)."
+        r"In the plane γ, the width of the rotations that all normals leave; radians (2.4.1).
+
+In space 2Φ, which no two rotations differ by more than that two normals leave (2.5.1)."
+    };
+    ("ThesisPose.rotation_error") => {
+        r"In the plane half of `residual_rotation`; radians.
+
+In space the largest turn about the middle of those two normals, from `rotation` and after any roll and pitch, that leaves all
+normals within their errors (eq. 2.4 and 2.5)."
     };
     ("ThesisPose.translation") => {
-        r"The nominal translation at φ, shape `(2,)`, world frame (eq. 2.1)."
+        r"The nominal translation at `rotation`, shape `(d,)`, world frame (eq. 2.1; in space 2.2.3.1)."
     };
     ("ThesisPose.translation_error") => {
-        r"`E_T`, the half diagonal of the rhombus of translations of the best pair of faces (2.4.2)."
+        r"`E_T`, the longest half diagonal of the rhombus of translations of the best pair of faces (2.4.2).
+
+In space that of the parallelepiped of the best three (2.5.2)."
     };
     ("ThesisPose.translation_region") => {
-        r"Translations at φ that keep each contact within its bound of its face's line, shape `(k, 2)` (figure 2.6)."
+        r"Translations at `rotation` that keep each contact within its bound of its face's line or plane: corners, shape `(k, d)`.
+
+In the plane counter-clockwise (figure 2.6), in space in no order (2.5.2)."
     };
     ("ThesisPose.excursion") => {
         r"`E_q`, how far the point, shape `(2,)`, model frame, moves between the two extreme nominal poses (eq. 2.3).
 
-A chord, not a bound.
+A chord, not a bound. In the plane only.
 
 Raises:
-    ValueError: Another shape, or a number that is not finite."
+    ValueError: Another shape, or a number that is not finite; poses in space."
     };
     ("Sensor") => {
         r"Bounds of the next reading (3.3).

@@ -226,9 +226,12 @@ impl PyPoseSet {
 
     #[doc = doc!("PoseSet.thesis_pose")]
     #[getter]
-    fn thesis_pose(&self) -> PyResult<Option<PyThesisPose>> {
-        let poses = self.planar("thesis_pose", "ask for world_from_model, rotation_bound and excursion")?;
-        Ok(poses.thesis_pose().map(PyThesisPose))
+    fn thesis_pose(&self) -> Option<PyThesisPose> {
+        let thesis = match &self.0 {
+            In::Plane(poses) => In::Plane(poses.thesis_pose()?),
+            In::Space(poses) => In::Space(poses.thesis_pose()?),
+        };
+        Some(PyThesisPose(thesis))
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {

@@ -19,6 +19,7 @@ pub mod part;
 pub mod path;
 pub mod plan;
 pub mod plane;
+mod polytope;
 pub mod projection;
 pub mod recognize;
 pub mod refute;

@@ -10,10 +10,10 @@ use glam::{DVec2, dvec2};
 use super::arc::{Arc, wrap};
 use super::case::{Case, PivotPose};
 use super::free::{Escapes, Wall};
-use super::polytope::{HalfSpace, Polytope};
 use super::pose::Pose;
 use super::site::Site;
 use crate::feature::Feature;
+use crate::polytope::{HalfSpace, Polytope};
 use crate::sweep::Sweep;
 
 /// Above this half width, radians, a cell is only a box: the linear conditions say too little there.

@@ -11,7 +11,6 @@ mod model;
 mod outcome;
 pub(crate) mod outline;
 pub(crate) mod planners;
-mod polytope;
 mod pose;
 mod pose_set;
 mod rays;

@@ -4,6 +4,7 @@
 //! placed at the *pivot*, a world point in the middle of the contacts. The world point `pivot + c` is then the model
 //! point `y + S c`: features stay where they are, and levers `c` have the size of the data.
 
+use std::f64::consts::PI;
 use std::sync::Arc as Shared;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -164,6 +165,12 @@ impl Case {
                     .max((twist.abs() - prior.rotation) * size)
             }
         }
+    }
+
+    /// No two rotations that the prior allows, within τ, differ by more, radians.
+    pub fn most_turn(&self) -> f64 {
+        let around = |prior: Prior| prior.rotation + prior.lying.map_or(0.0, |lying| lying.tilt);
+        self.prior.map_or(PI, |prior| (2.0 * (around(prior) + 4.0 * self.angle_tolerance)).min(PI))
     }
 
     /// Whether prior and free sweeps allow the pose, within `slack`.

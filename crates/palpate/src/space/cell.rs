@@ -24,8 +24,8 @@ const TURN_ROUNDING: f64 = 1e-9;
 /// A turn and a shift within a cell.
 const MOTIONS: usize = WIDTH - 1;
 
-/// The linear conditions of a cell, for its extent one way and another.
-pub(super) type Extent = Program<MOTIONS>;
+/// The linear conditions of a cell, to be asked how far its valid poses reach one way and another.
+pub(super) type Linearized = Program<MOTIONS>;
 
 /// Above this radius, radians, the linear conditions say too little.
 const WIDEST: f64 = 0.4;
@@ -254,7 +254,7 @@ impl Cell {
     }
 
     /// The rows, for `most`.
-    pub fn extent(&self, rows: &[Row<WIDTH>]) -> Extent {
+    pub fn linearized(&self, rows: &[Row<WIDTH>]) -> Linearized {
         let motions = |row: &Row<WIDTH>| Row {
             normal: std::array::from_fn(|j| row.normal[j]),
             bound: row.bound,
@@ -264,12 +264,12 @@ impl Cell {
 
     /// Shrinks the box to what the rows leave; `false` if that is nothing.
     pub fn contract(&mut self, rows: &[Row<WIDTH>]) -> bool {
-        let mut extent = self.extent(rows);
+        let mut linearized = self.linearized(rows);
         let (mut v, mut v_half) = (self.v, self.v_half);
         let (mut y, mut y_half) = (self.y, self.y_half);
         for (k, axis) in DVec3::AXES.into_iter().enumerate() {
-            let turns = [axis, -axis].map(|axis| most(&mut extent, axis, DVec3::ZERO));
-            let shifts = [axis, -axis].map(|axis| most(&mut extent, DVec3::ZERO, axis));
+            let turns = [axis, -axis].map(|axis| most(&mut linearized, axis, DVec3::ZERO));
+            let shifts = [axis, -axis].map(|axis| most(&mut linearized, DVec3::ZERO, axis));
             for ([high, low], middle, half) in
                 [(turns, &mut v[k], &mut v_half[k]), (shifts, &mut y[k], &mut y_half[k])]
             {
@@ -389,9 +389,9 @@ impl Cell {
     }
 }
 
-/// No valid pose of the cell of an extent has more of `about·d + direction·(y − y₀)`.
-pub(super) fn most(extent: &mut Extent, about: DVec3, direction: DVec3) -> f64 {
-    extent.maximize(&[about.x, about.y, about.z, direction.x, direction.y, direction.z]).bound
+/// No valid pose of the cell has more of `about·d + direction·(y − y₀)`.
+pub(super) fn most(linearized: &mut Linearized, about: DVec3, direction: DVec3) -> f64 {
+    linearized.maximize(&[about.x, about.y, about.z, direction.x, direction.y, direction.z]).bound
 }
 
 /// How far a unit lever moves when turned.

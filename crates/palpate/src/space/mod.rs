@@ -9,6 +9,7 @@ mod cell_tests;
 mod cones;
 mod distance;
 mod edges;
+mod extent;
 mod facets;
 mod first_cells;
 mod free;
@@ -47,11 +48,13 @@ mod tables;
 mod tables_tests;
 #[cfg(test)]
 mod test_solids;
+mod thesis;
 
 pub use bvh::Nearest;
 pub use model::{Edge, Face, Model, Roundness, Symmetry, Vertex};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
 pub use prior::{Lying, Prior};
+pub use thesis::ThesisPose;
 
 pub(crate) use hypotheses::explain;

@@ -4,14 +4,16 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::{Arc as Shared, OnceLock};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::case::{Case, PivotPose};
-use super::cell::{Cell, Conditions, Extent, most};
+use super::cell::{Cell, Conditions};
+use super::extent::{Along, Extent};
 use super::model::{Model, Symmetry};
 use super::pose::{self, Pose};
 use super::site::Site;
 use super::solve::{self, Witness};
+use super::thesis::ThesisPose;
 use crate::dimension::Poses;
 use crate::feature::Feature;
 use crate::hypothesis::{Count, choices};
@@ -19,12 +21,8 @@ use crate::hypothesis::{Count, choices};
 /// Assignments are counted by deciding so many choices of features at most.
 const MOST_ATTEMPTS: usize = 2000;
 
-/// Directions in which the extent of a set is measured; no direction is further than `FARTHEST` from one, radians.
-const NUM_DIRECTIONS: usize = 60;
-const FARTHEST: f64 = 0.27;
-
-/// Above so many cells the extent is that of their boxes.
-const FEW_CELLS: usize = 12;
+/// Cells are divided so many times at most for a closer look at how far the set reaches.
+const MOST_DIVIDED: usize = 200;
 
 /// Steps between two samples.
 const SAMPLE_STEPS: usize = 6;
@@ -96,6 +94,8 @@ pub struct PoseSet {
     best: Shared<OnceLock<Pose>>,
     /// In one chart where that can be, for each piece.
     cells: Shared<OnceLock<Vec<Vec<Cell>>>>,
+    fine_cells: Shared<OnceLock<Vec<Vec<Cell>>>>,
+    rotation_bound: Shared<OnceLock<f64>>,
 }
 
 impl PoseSet {
@@ -108,6 +108,8 @@ impl PoseSet {
             symmetric,
             best: Shared::default(),
             cells: Shared::default(),
+            fine_cells: Shared::default(),
+            rotation_bound: Shared::default(),
         }
     }
 
@@ -244,72 +246,58 @@ impl PoseSet {
         })
     }
 
+    /// The cells, divided where their conditions say too little of how far the set reaches: made when first asked for.
+    fn fine_cells(&self) -> &[Vec<Cell>] {
+        self.fine_cells.get_or_init(|| {
+            let mut extent = self.extent_of(self.cells(), MOST_DIVIDED);
+            if let Some(start) = one_chart(self.cells()) {
+                extent.diameter(|axis, cell| turned(cell, axis, start));
+            }
+            let Some(first) = self.cells().iter().flatten().next() else { return extent.into_cells() };
+            let points = self.case.model.vertices.iter().map(|vertex| vertex.point);
+            let apart = |point: &DVec3| point.distance(first.y);
+            let farthest = points.max_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(first.y);
+            extent.diameter(|axis, cell| placed(cell, axis, first.rotation(), farthest));
+            extent.into_cells()
+        })
+    }
+
+    fn extent_of(&self, cells: &[Vec<Cell>], most_divided: usize) -> Extent<'_> {
+        let conditions = self.pieces.iter().map(|piece| piece.conditions(&self.case).relaxed());
+        Extent::new(conditions.collect(), cells, most_divided)
+    }
+
     /// No two poses of the set differ by more, radians, at most π.
     #[must_use]
     pub fn rotation_bound(&self) -> f64 {
-        let cells: Vec<&Cell> = self.cells().iter().flatten().collect();
-        let mut largest = 0.0_f64;
-        for (k, a) in cells.iter().enumerate() {
-            for b in &cells[..=k] {
-                largest = largest.max(farthest(a, b));
-            }
-        }
-        if let Some(base) = self.common_chart() {
-            let mut extents = self.extents();
-            let widths = directions().map(|axis| {
-                width(&mut extents, |cell, extent| {
-                    // Axis and angle shorten no way: the rotations differ by no more than their vectors.
-                    let ends = [axis, -axis].map(|axis| most(extent, axis, DVec3::ZERO));
-                    (axis.dot(cell.v - base), ends)
-                })
-            });
-            largest = largest.min(widths.fold(0.0, f64::max) / FARTHEST.cos());
-        }
-        largest.min(PI)
+        *self.rotation_bound.get_or_init(|| {
+            let cells = || self.fine_cells().iter().flatten();
+            let bound = if let Some(start) = one_chart(self.fine_cells()) {
+                let mut extent = self.extent_of(self.fine_cells(), 0);
+                extent.diameter(|axis, cell| turned(cell, axis, start))
+            } else {
+                let pairs =
+                    cells().enumerate().flat_map(|(k, a)| cells().take(k + 1).map(|b| farthest(a, b)));
+                pairs.fold(0.0, f64::max)
+            };
+            bound.min(self.case.most_turn())
+        })
     }
 
     /// No two poses of the set move the model point further apart.
     #[must_use]
     pub fn excursion(&self, point_model: DVec3) -> f64 {
-        let Some(base) = self.cells().iter().flatten().next().map(Cell::rotation) else { return 0.0 };
-        let mut extents = self.extents();
-        let widest = directions().map(|axis| {
-            width(&mut extents, |cell, extent| {
-                // The point is placed at Sᵀ(m − y) from the pivot; in the frame of the first cell, along the axis:
-                // (S S₀ᵀ axis)·(m − y), bilinear in the turn and the shift.
-                let along = cell.rotation() * base.transpose() * axis;
-                let offset = point_model - cell.y;
-                let (about, loose) = cell.turned(along, offset);
-                let ends = [1.0, -1.0].map(|sign| most(extent, sign * about, -sign * along) + loose);
-                (along.dot(offset), ends)
-            })
-        });
-        let bound = widest.fold(0.0, f64::max) / FARTHEST.cos();
-        // No two places are further apart than the whole.
-        bound.max(0.0) + 4.0 * self.case.outward()
+        let cells = self.fine_cells();
+        let Some(base) = cells.iter().flatten().next().map(Cell::rotation) else { return 0.0 };
+        let bound = self.extent_of(cells, 0).diameter(|axis, cell| placed(cell, axis, base, point_model));
+        bound + 4.0 * self.case.outward()
     }
 
-    /// The base of the chart in which all cells are, and so few that each can be asked for its extent.
-    fn common_chart(&self) -> Option<DVec3> {
-        let mut cells = self.cells().iter().flatten();
-        let first = cells.next()?;
-        let few = self.cells().iter().map(Vec::len).sum::<usize>() <= FEW_CELLS;
-        (few && cells.all(|cell| cell.base == first.base)).then_some(first.v)
-    }
-
-    /// Every cell, with its linear conditions where there are few.
-    fn extents(&self) -> Vec<(&Cell, Extent)> {
-        let of_piece = |(piece, cells): (&Piece, &'_ Vec<Cell>)| {
-            let conditions = piece.conditions(&self.case).relaxed();
-            let few = cells.len() <= FEW_CELLS;
-            let rows = |cell: &Cell| {
-                if few && cell.is_narrow() { cell.rows(&conditions, false) } else { Vec::new() }
-            };
-            cells.iter().map(|cell| cell.extent(&rows(cell))).collect::<Vec<_>>()
-        };
-        let cells = self.cells();
-        let extents = self.pieces.iter().zip(cells).flat_map(of_piece);
-        cells.iter().flatten().zip(extents).collect()
+    /// The thesis's own pose and bounds of its first assignment; `None` where they are not defined: contacts on edges or
+    /// vertices or without normals, no three faces independent.
+    #[must_use]
+    pub fn thesis_pose(&self) -> Option<ThesisPose> {
+        ThesisPose::new(&self.case, &self.attempts().flatten().next()?)
     }
 
     /// The poses of one of its assignments, alone.
@@ -371,10 +359,6 @@ impl Poses<DVec3> for PoseSet {
         self.marginal()
     }
 
-    fn proved(&self) -> bool {
-        self.witnesses().any(|witness| !witness.undecided)
-    }
-
     fn largest_slack(&self) -> Pose {
         self.largest_slack()
     }
@@ -419,6 +403,28 @@ fn aligned(case: &Case, pieces: Vec<Piece>) -> Vec<Piece> {
     pieces.into_iter().map(align).collect()
 }
 
+/// A rotation vector of the chart that all cells are in, if there is one.
+fn one_chart(cells: &[Vec<Cell>]) -> Option<DVec3> {
+    let mut cells = cells.iter().flatten();
+    let first = cells.next()?;
+    cells.all(|cell| cell.base == first.base).then_some(first.v)
+}
+
+/// Rotation vectors along an axis. Axis and angle shorten no way: rotations differ by no more than their vectors.
+fn turned(cell: &Cell, axis: DVec3, start: DVec3) -> Along {
+    Along { middle: axis.dot(cell.v - start), about: axis, direction: DVec3::ZERO, loose: 0.0 }
+}
+
+/// Places of a model point along an axis, both as seen at the rotation `base`.
+///
+/// The point is placed at Sᵀ(m − y) from the pivot; along the axis, (S S₀ᵀ axis)·(m − y): bilinear in the turn and the shift.
+fn placed(cell: &Cell, axis: DVec3, base: DMat3, point_model: DVec3) -> Along {
+    let along = cell.rotation() * base.transpose() * axis;
+    let offset = point_model - cell.y;
+    let (about, loose) = cell.turned(along, offset);
+    Along { middle: along.dot(offset), about, direction: -along, loose }
+}
+
 /// The farthest apart that rotations of two cells may be, radians.
 fn farthest(a: &Cell, b: &Cell) -> f64 {
     let apart = pose::angle(a.rotation() * b.rotation().transpose()) + a.radius() + b.radius();
@@ -428,61 +434,11 @@ fn farthest(a: &Cell, b: &Cell) -> f64 {
     apart
 }
 
-/// The extent of all cells in a direction: `measure` gives the middle of a cell, and how far it reaches either way.
-fn width(
-    extents: &mut [(&Cell, Extent)],
-    measure: impl Fn(&Cell, &mut Extent) -> (f64, [f64; 2]),
-) -> f64 {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (cell, extent) in extents {
-        let (middle, [up, down]) = measure(cell, extent);
-        if up > f64::NEG_INFINITY && down > f64::NEG_INFINITY {
-            low = low.min(middle - down);
-            high = high.max(middle + up);
-        }
-    }
-    (high - low).max(0.0)
-}
-
-/// Unit directions on half of the sphere, evenly.
-fn directions() -> impl Iterator<Item = DVec3> {
-    const GOLDEN: f64 = 2.399_963_229_728_653;
-    (0..NUM_DIRECTIONS).map(|k| {
-        let z = (k as f64 + 0.5) / NUM_DIRECTIONS as f64;
-        let (sine, cosine) = (GOLDEN * k as f64).sin_cos();
-        let radius = (1.0 - z * z).sqrt();
-        DVec3::new(radius * cosine, radius * sine, z)
-    })
-}
-
 fn direction(rng: &mut fastrand::Rng) -> DVec3 {
     loop {
         let v = DVec3::new(rng.f64(), rng.f64(), rng.f64()) * 2.0 - 1.0;
         if (1e-6..=1.0).contains(&v.length_squared()) {
             return v / v.length();
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{FARTHEST, directions};
-    use glam::DVec3;
-
-    /// On a grid of directions, none of the sphere further than `apart` from one of it.
-    #[test]
-    fn every_direction_is_near_one_that_is_measured() {
-        const SIDE: i32 = 200;
-        // Half the diagonal of a square of the cube; seen from its middle it is no larger.
-        let apart = 0.5 * 2_f64.sqrt() / f64::from(SIDE);
-        for i in -SIDE..=SIDE {
-            for j in -SIDE..=SIDE {
-                let (a, b) = (f64::from(i) / f64::from(SIDE), f64::from(j) / f64::from(SIDE));
-                for v in [DVec3::new(1.0, a, b), DVec3::new(a, 1.0, b), DVec3::new(a, b, 1.0)] {
-                    let nearest = directions().map(|d| (d.dot(v) / v.length()).abs()).fold(0.0, f64::max);
-                    assert!(nearest.acos() + apart <= FARTHEST);
-                }
-            }
         }
     }
 }

@@ -247,9 +247,16 @@ pub(crate) fn cells(conditions: &Conditions<'_>, base: Option<DMat3>, bounds: &[
         let within = |cell: &Cell| cell.widened(conditions.slack, conditions.angle, all_sites(conditions));
         bounds.iter().map(within).collect()
     };
-    let rebased = |cell: Cell| base.and_then(|base| cell.rebased(base)).unwrap_or(cell);
-    let mut open: Vec<Cell> =
-        first.into_iter().map(rebased).filter_map(|cell| contracted(conditions, cell)).collect();
+    let rebased = |cell: Cell| match base.filter(|base| cell.base != *base) {
+        Some(base) => cell.rebased(base).unwrap_or(cell),
+        None => cell,
+    };
+    let contracted = |cell: Cell| {
+        let cell = shrunk(conditions, rebased(cell))?;
+        // In a chart of its own a wide cell is contracted before it fits into the common one.
+        if base.is_none_or(|base| cell.base == base) { Some(cell) } else { shrunk(conditions, rebased(cell)) }
+    };
+    let mut open: Vec<Cell> = first.into_iter().filter_map(contracted).collect();
     let bound = conditions.sites.iter().map(|(contact, _)| conditions.case.data[*contact].bound);
     let least = bound.fold(f64::INFINITY, f64::min);
     loop {
@@ -271,7 +278,25 @@ pub(crate) fn cells(conditions: &Conditions<'_>, base: Option<DMat3>, bounds: &[
                 vec![cell]
             }
         });
-        open = parts.filter_map(|cell| contracted(conditions, cell)).collect();
+        open = parts.filter_map(contracted).collect();
+    }
+}
+
+/// What is left of the halves of a cell of an enclosure.
+pub(super) fn halved(conditions: &Conditions<'_>, cell: &Cell) -> impl Iterator<Item = Cell> {
+    let reach = conditions.reach();
+    let halves = cell.split(reach, looseness(conditions, cell, reach).1);
+    halves.into_iter().filter_map(|half| shrunk(conditions, half))
+}
+
+/// Contracted until that gains little.
+fn shrunk(conditions: &Conditions<'_>, mut cell: Cell) -> Option<Cell> {
+    loop {
+        let before = cell.radius();
+        cell = contracted(conditions, cell)?;
+        if !cell.is_narrow() || cell.radius() > 0.9 * before {
+            return Some(cell);
+        }
     }
 }
 

@@ -65,7 +65,7 @@ pub fn pose(random: &mut Rng) -> Pose {
 }
 
 /// Noise in `[-1, 1]`, a third of it at the bounds.
-fn noise(random: &mut Rng) -> f64 {
+pub fn noise(random: &mut Rng) -> f64 {
     match random.u8(0..6) {
         0 => 1.0,
         1 => -1.0,

@@ -1,4 +1,5 @@
-//! Small convex polytopes in `(sin(θ−θ₀), y)`, cut by half-spaces so that nothing true is cut off.
+//! Small convex polytopes in three dimensions, cut by half-spaces so that nothing true is cut off: of `(sin(θ−θ₀), y)` in the
+//! plane, of translations and differences in space.
 //!
 //! A polytope is kept *simple*: each corner lies on exactly three planes, and two corners that share two planes
 //! are joined by an edge. A cut never passes closer than a gap to an existing corner (it is moved outward until
@@ -29,6 +30,11 @@ const GAP: f64 = 1e-13;
 
 /// With more planes than this a polytope is cut no further: each may move corners by rounding.
 const MOST_PLANES: u16 = 400;
+
+/// With nearly as many corners it is cut no further either.
+const MOST_CORNERS: usize = 256;
+
+type Heights = arrayvec::ArrayVec<f64, MOST_CORNERS>;
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -79,7 +85,7 @@ impl Polytope {
     /// Keeps what lies in `half_space`; `scale` bounds `|normal·x|` and `|offset|`.
     pub fn cut(&mut self, half_space: &HalfSpace, scale: f64) {
         let gap = GAP * scale;
-        let heights: arrayvec::ArrayVec<f64, 128> = match self.heights(half_space, gap) {
+        let heights: Heights = match self.heights(half_space, gap) {
             Some(heights) => heights,
             None => return,
         };
@@ -105,11 +111,11 @@ impl Polytope {
     /// Height of each corner above the plane, after the plane was moved outward until none is within `gap` of it.
     ///
     /// `None`: too many corners to cut any further, which leaves the polytope as it is (sound, only looser).
-    fn heights(&self, half_space: &HalfSpace, gap: f64) -> Option<arrayvec::ArrayVec<f64, 128>> {
-        if self.corners.len() > 120 || self.num_planes >= MOST_PLANES {
+    fn heights(&self, half_space: &HalfSpace, gap: f64) -> Option<Heights> {
+        if self.corners.len() > MOST_CORNERS - 8 || self.num_planes >= MOST_PLANES {
             return None;
         }
-        let mut heights: arrayvec::ArrayVec<f64, 128> =
+        let mut heights: Heights =
             self.corners().map(|at| dot(half_space.normal, at) - half_space.offset).collect();
         while heights.iter().any(|height| height.abs() < gap) {
             for height in &mut heights {
