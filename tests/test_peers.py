@@ -149,14 +149,15 @@ def test_rows_of_other_problems_are_not_on_the_page(tmp_path, guesser, capsys):
     assert peers.saved(peers.file_of(tmp_path, "guesser"), range(4), 1) is None
 
 
-def test_a_missing_package_leaves_a_method_out(guesser, monkeypatch):
+@pytest.mark.parametrize("error", [ImportError("No module named 'absent'"), OSError("libusb-1.0.so.0")])
+def test_a_missing_package_leaves_a_method_out(guesser, monkeypatch, error):
     def prepare(solid, scale):
-        raise ImportError("No module named 'absent'")
+        raise error
 
     monkeypatch.setitem(METHODS, "absent", Method(prepare, "absent", "none"))
     said = []
     assert peers.installed(["guesser", "absent", peers.OURS], said.append) == ["guesser", peers.OURS]
-    assert said == ["absent: left out, No module named 'absent'\n"]
+    assert said == [f"absent: left out, {error}\n"]
 
 
 def test_the_page_has_medians_and_the_longest_time():

@@ -2,7 +2,7 @@
 
 Each is prepared for a part, `METHODS[name].prepare(solid, scale)`, and then asked for poses `(p, 4, 4)`, the
 best XX ratio, the length that counts as much as a radian. A method whose package is missing raises
-`ImportError` while it is prepared. Other than particles, methods answer every pose
+`ImportError` or `OSError` while it is prepared. Other than particles, methods answer every pose
 that they find and that explains each contact within 1.2 of its bounds, else the best alone.
 """
 

@@ -126,7 +126,7 @@ def installed(names: Sequence[str], say: Callable[[str], Any]) -> list[str]:
         try:
             if name != OURS:
                 METHODS[name].prepare(_cube(), SCALE)
-        except ImportError as error:
+        except (ImportError, OSError) as error:  # a shared library that is missing is the latter
             say(f"{name}: left out, {error}\n")
             continue
         there.append(name)
