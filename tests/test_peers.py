@@ -165,9 +165,16 @@ def test_the_page_has_medians_and_the_longest_time():
         return {"contacts": contacts, "true": True, "strict": False, "best": False, "places": 5, **more}
 
     rows = [row(3, seconds=0.1), row(3, seconds=0.2, places=9), row(3, seconds=3.0, true=False)]
-    text = markdown({"Open3D": ({"settings": {"package": "open3d 1.2"}}, rows)})
+    header = {"settings": {"package": "open3d 1.2", "machine": "Abacus, 1 core"}}
+    text = markdown({"Open3D": (header, rows)})
     assert "| Open3D | 67 % (0 %) |" in text
     assert "| Open3D | 5 |" in text
     assert "| Open3D | 200 ms, 3.00 s |" in text
     assert "- Open3D (open3d 1.2): " in text
+    assert text.endswith("Measured on: Abacus, 1 core.\n")
     assert max(map(len, text.split("## Right")[1].splitlines())) <= 120
+
+    other = {"settings": {"package": "x 1", "machine": "Loom"}}
+    assert "Abacus, 1 core (Open3D) and Loom (small_gicp)." in markdown(
+        {"Open3D": (header, rows), "small_gicp": (other, rows)}
+    )

@@ -1,8 +1,9 @@
 """Other ways to find a part by its contacts, each made as strong as its kind allows; only for comparison.
 
 Each is prepared for a part, `METHODS[name].prepare(solid, scale)`, and then asked for poses `(p, 4, 4)`, the
-best XX ratio, the length that counts as much as a radian. A method whose package is missing raises
-`ImportError` or `OSError` while it is prepared. Other than particles, methods answer every pose
+best first: `ask(contacts, seed)`. Contacts have a normal and no tip radius, and one pair of bounds; `scale`
+is the ratio of the two, the length that counts as much as a radian. A method whose package is missing raises
+`ImportError` or `OSError` while it is prepared. Particles are all answers; other methods answer every pose
 that they find and that explains each contact within 1.2 of its bounds, else the best alone.
 """
 
@@ -53,7 +54,7 @@ class Method(NamedTuple):
 
 def particles(solid: Solid, scale: float, *, count: int) -> Ask:
     """A scaling series (Petrovskaya and Khatib 2011): all particles at the end are its answers."""
-    settings = Settings(num_first=3 * count, num_particles=count, most_kept=count // 2, even=True)
+    settings = Settings(num_first=3 * count, num_particles=count, most_kept=count // 2, rounds=25, even=True)
     places = _places(solid, scale)
     return lambda contacts, seed: search(solid, contacts, seed, settings, only_valid=False, places=places)
 
@@ -303,8 +304,8 @@ METHODS: dict[str, Method] = {
         f"scaling series, {count:,} particles": Method(
             partial(particles, count=count),
             "numpy",
-            f"{3 * count:,} first poses from pairs of contacts on pairs of places that fit them, "
-            f"then {count:,}; each is moved by least squares while tolerances are wide",
+            f"{3 * count:,} first poses from pairs of contacts on pairs of places that fit them, then "
+            f"{count:,}, moved by least squares while tolerances are wide; at the end 25 rounds at random",
         )
         for count in (500, 2000, 8000)
     },

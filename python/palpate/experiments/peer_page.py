@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .campaign import Row
-from .pages import duration, machine, table
+from .pages import duration, table
 from .peer_methods import EXPLAINED, METHODS
 from .peer_truth import APART, NUM_SAMPLES, TURNED, WITHIN
 
@@ -129,5 +129,14 @@ def _settings(saved: Saved) -> list[str]:
             f"pose that explains each contact within {EXPLAINED:g} of its bounds, or else the best alone."
         ),
         "\n".join(lines),
-        f"Measured on: {machine()}.",
+        _measured_on(saved),
     ]
+
+
+def _measured_on(saved: Saved) -> str:
+    """On which machine; where there are several, on which one each method was."""
+    machines: dict[str, list[str]] = {}
+    for name, (header, _) in saved.items():
+        machines.setdefault(header["settings"]["machine"], []).append(name)
+    several = [f"{machine} ({'; '.join(names)})" for machine, names in machines.items()]
+    return _filled(f"Measured on: {' and '.join(several if len(several) > 1 else machines)}.")

@@ -29,6 +29,7 @@ from . import campaign
 from .build import build
 from .campaign import Row
 from .campaign_space import digest, parts_in
+from .pages import machine
 from .peer_methods import METHODS, Ask
 from .peer_page import OURS, markdown
 from .peer_truth import APART, WITHIN, close_poses, mean_distances, number_of_places, share_of_all
@@ -58,7 +59,7 @@ def _part(number: int, parts: Sequence[Solid]) -> Solid:
     return parts[int(random.integers(len(parts)))] if parts else random_solid(random)
 
 
-def task(number: int, *, parts: str | None, digest: int, method: str, package: str) -> Row:
+def task(number: int, *, parts: str | None, digest: int, method: str, package: str, machine: str) -> Row:
     """One problem put to a method."""
     one = problem(number, parts_in(parts))
     if method == OURS:
@@ -141,7 +142,13 @@ def file_of(folder: Path, method: str) -> Path:
 def _settings(method: str, parts: str | None) -> dict[str, Any]:
     package = METHODS[method].package if method != OURS else OURS
     known = palpate.__version__ if method == OURS else version(package)
-    return {"parts": parts, "digest": digest(parts), "method": method, "package": f"{package} {known}"}
+    return {
+        "parts": parts,
+        "digest": digest(parts),
+        "method": method,
+        "package": f"{package} {known}",
+        "machine": machine(),
+    }
 
 
 def forget_others(file: Path) -> None:
