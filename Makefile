@@ -85,8 +85,11 @@ campaign-space: parts .venv/.cluster ## 10,000 random problems of space, on real
 campaign-no-normals: parts .venv/.cluster ## 1,000 of these without normals, in docs/campaign-space.md too; resumes
 	$(BIN)/python $(CAMPAIGN_SPACE) --family no-normals --problems 1000 $(ARGS)
 
-bench-peers: parts .venv/.peers ## other ways to find a part by the same contacts; writes docs/tables/peers.md
-	$(BIN)/python -m palpate.experiments.peers --parts $(PARTS) --page docs/tables/peers.md $(ARGS)
+# One thread, so that times are comparable.
+bench-peers: export OMP_NUM_THREADS := 1
+bench-peers: export OPENBLAS_NUM_THREADS := 1
+bench-peers: parts .venv-peers/.installed ## other ways to find a part by the same contacts; writes docs/tables/peers.md; resumes
+	PYTHONPATH=python .venv-peers/bin/python -m palpate.experiments.peers --parts $(PARTS) --page docs/tables/peers.md $(ARGS)
 
 campaign-plan: | .venv/.cargo ## 1,000 planning problems, 200,000 random lines each: is any better than complete? resumes
 	cargo run --quiet --release --example campaign_plan -- $(or $(ARGS),1000 200000)
@@ -121,8 +124,8 @@ docs: .venv/.built .venv/.docs ## the reference of the core in target/doc; the s
 wheel: .venv/.tools .venv/.cargo ## a wheel in target/wheels
 	$(BIN)/maturin build --release --quiet
 
-clean: ## remove what was built, .venv included
-	rm -rf .venv target site
+clean: ## remove what was built, .venv and .venv-peers included
+	rm -rf .venv .venv-peers target site
 	rm -f python/palpate/_core.*.so python/palpate/_core.so
 
 # Stamps: each is touched when its step is done, and is older than what would make the step necessary again.
@@ -147,7 +150,19 @@ clean: ## remove what was built, .venv included
 	@touch $@
 
 # palpate itself is installed by now, so that these add only what its extras name.
-.venv/.test .venv/.dev .venv/.docs .venv/.cluster .venv/.parts .venv/.peers: .venv/.%: pyproject.toml | .venv/.built
+.venv/.test .venv/.dev .venv/.docs .venv/.cluster .venv/.parts: .venv/.%: pyproject.toml | .venv/.built
 	@echo "installing what $* needs"
 	@$(PIP) 'palpate[$*]'
+	@touch $@
+
+# Apart from .venv: Open3D brings a plugin of pytest that current ones can't load. palpate is taken from this folder.
+.venv-peers/.installed: pyproject.toml | .venv/.built
+	@echo "making .venv-peers with Open3D, OpenCV and small_gicp (2 GB)"
+	@$(PYTHON) -m venv .venv-peers
+	@$(BIN)/python -c 'from importlib.metadata import requires; \
+		print(*(one.partition(";")[0] for one in requires("palpate") if "extra" not in one or "peers" in one), sep="\n")' \
+		> .venv-peers/requirements.txt
+	@.venv-peers/bin/python -m pip install --requirement .venv-peers/requirements.txt
+	@.venv-peers/bin/python -c 'import open3d' || \
+		{ echo "Open3D can't be loaded; if libusb is what it lacks: install libusb-1.0 (Debian: libusb-1.0-0), then run make again" >&2; exit 1; }
 	@touch $@

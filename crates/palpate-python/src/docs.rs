@@ -352,7 +352,7 @@ Args:
     max_hypotheses: More than this are not returned, and `Recognition.complete` says so.
     time_limit: Seconds, after which the answer is what was found by then, and `Recognition.complete` is False.
     effort: Cells of poses that are examined for one model at most, 1 or more, where contacts allow so many assignments
-        that poses are divided; then `Recognition.complete` is False. None: 2,000,000 in the plane, 50,000 in space.
+        that poses are divided; then `Recognition.complete` is False. None: 2,000,000 in the plane, 20,000 in space.
 
 Returns:
     The answer. That no model explains the contacts is an answer too: `hypotheses` is empty, and `conflict` says why.

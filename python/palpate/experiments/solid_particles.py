@@ -34,11 +34,11 @@ class Settings:
     #: How many are led on to where the worst contact is best explained, and in how many rounds.
     num_lowered: int = 24
     rounds: int = 10
+    #: Whether particles cover all that the tolerances allow, rather than the best of it.
+    even: bool = False
 
 
 DEFAULT = Settings()
-#: For few contacts, which thousands of places explain: as many particles as help.
-STRONG = Settings(num_first=24_000, num_particles=8_000, most_kept=4_000)
 
 
 @dataclass(frozen=True)
@@ -116,6 +116,11 @@ class Readings:
         )
 
 
+def scale_of(readings: Readings) -> float:
+    """The length that counts as much as a radian: what the bounds allow of either."""
+    return float(readings.position_errors.max() / readings.normal_errors.max())
+
+
 def search(  # noqa: PLR0917 - of what, for what, and how much
     solid: Solid,
     contacts: Sequence[Any],
@@ -126,6 +131,7 @@ def search(  # noqa: PLR0917 - of what, for what, and how much
     around: Array | None = None,
     only_valid: bool = True,
     kinds: Sequence[str] = ("face",),
+    places: Places | None = None,
 ) -> Array:
     """Distinct poses `(p, 4, 4)` that explain the contacts, most of them far apart; none or many.
 
@@ -138,12 +144,14 @@ def search(  # noqa: PLR0917 - of what, for what, and how much
         around: Poses near which to look, too.
         only_valid: Only poses that the oracle calls valid; else all particles at the end, the best first.
         kinds: On which contacts may lie.
+        places: Those of the part, if they are drawn already.
     """
     random = np.random.default_rng(seed)
     readings = Readings.of(contacts)
-    scale = 0.0 if readings.bare else float(readings.position_errors.max() / readings.normal_errors.max())
-    radius = float(contacts[0].tip_radius)
-    places = touchable(solid, random, settings.num_places, radius, scale)
+    if places is None:
+        scale = 0.0 if readings.bare else scale_of(readings)
+        radius = float(contacts[0].tip_radius)
+        places = touchable(solid, random, settings.num_places, radius, scale)
     poses = _first(places, readings, random, settings=settings, prior=prior)
     if around is not None:
         poses = np.concatenate([poses, around])
@@ -154,7 +162,8 @@ def search(  # noqa: PLR0917 - of what, for what, and how much
         # filled.
         poses = step(places, readings, poses) if length > 2.0 else poses
         worst = worst_of(places, readings, poses, (length, angle))
-        kept = _spread(poses, worst, readings, length=length, most=settings.most_kept)
+        drawn = random if settings.even else None
+        kept = _spread(poses, worst, readings, length=length, most=settings.most_kept, random=drawn)
         poses = _scattered(kept, readings, random, length=0.5 * length, count=settings.num_particles)
     least = _lowered(places, readings, kept[: settings.num_lowered], random, rounds=settings.rounds)
     within = poses[worst_of(places, readings, poses, (1.0, 1.0)) <= 1.05]
@@ -352,15 +361,29 @@ def step(places: Places, readings: Readings, poses: Array) -> Array:
     return _poses(turns @ poses[:, :3, :3], shifted)
 
 
-def _spread(poses: Array, worst: Array, readings: Readings, *, length: float, most: int) -> Array:
-    """Those within tolerance, the best of each cell of poses: no crowd pushes others out."""
+def _spread(
+    poses: Array,
+    worst: Array,
+    readings: Readings,
+    *,
+    length: float,
+    most: int,
+    random: np.random.Generator | None,
+) -> Array:
+    """Those within tolerance, the best of each cell of poses: no crowd pushes others out.
+
+    Of too many cells the best, or with `random` any.
+    """
     order = np.argsort(worst, kind="stable")
     within = order[worst[order] <= 1.0]
     if len(within) < 20:
         within = order[:20]
     keys = cells(poses[within], readings.centers, 2.0 * length * float(readings.position_errors.max()))
     _, first = np.unique(keys, axis=0, return_index=True)
-    return np.asarray(poses[within[np.sort(first)][:most]])
+    first = np.sort(first)
+    if random is not None and len(first) > most:
+        first = np.sort(random.choice(first, size=most, replace=False))
+    return np.asarray(poses[within[first][:most]])
 
 
 def _lowered(  # noqa: PLR0917 - what is moved, among what
@@ -395,9 +418,10 @@ def _explored(  # noqa: PLR0917 - as in `search`
 ) -> Array:
     """Particles that wander over the regions that satisfy the bounds, so that these are filled evenly."""
     least = worst_of(places, readings, poses, (1.0, 1.0))
-    count = settings.num_particles // 2
-    # The best start; where few do, several from each.
-    order = np.argsort(least, kind="stable")[:count]
+    count = settings.num_particles if settings.even else settings.num_particles // 2
+    # The best start, or any that are within; where few do, several from each.
+    ranks = np.maximum(least, 1.1) + 1e-9 * random.random(len(least)) if settings.even else least
+    order = np.argsort(ranks, kind="stable")[:count]
     poses = np.resize(poses[order], (count, 4, 4)) if len(order) else poses
     least = np.resize(least[order], count)
     for number in range(settings.rounds):

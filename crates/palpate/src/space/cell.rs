@@ -28,7 +28,7 @@ const MOTIONS: usize = WIDTH - 1;
 pub(super) type Linearized = Program<MOTIONS>;
 
 /// Above this radius, radians, the linear conditions say too little.
-const WIDEST: f64 = 0.4;
+const WIDEST: f64 = 0.3;
 
 /// A part of pose space.
 #[derive(Debug, Clone)]

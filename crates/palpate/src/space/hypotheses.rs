@@ -8,7 +8,6 @@ use rayon::prelude::*;
 
 use super::case::{Case, Datum};
 use super::cell::{Cell, Conditions};
-use super::first_cells::first_cells;
 use super::model::{Model, Symmetry};
 use super::pose::Pose;
 use super::pose_set::{Piece, PoseSet};
@@ -50,14 +49,22 @@ pub(crate) fn explain(
     if tables.features().is_empty() {
         return nothing;
     }
-    let (hypotheses, num_boxes, complete) =
+    let (mut pieces, num_boxes, complete) =
         if let Some(assignments) = interpretation_tree(&case, tables, &mut counters) {
-            (pose_sets(&case, valid(&case, assignments)), 0, true)
+            (valid(&case, assignments), 0, true)
         } else {
             let division = subdivide::subdivide(&case, tables);
-            (pose_sets(&case, division.pieces), division.examined, division.complete)
+            (division.pieces, division.examined, division.complete)
         };
-    let complete = complete && !hypotheses.iter().any(PoseSet::undecided) && !case.stopped();
+    let mut decided = true;
+    for piece in &mut pieces {
+        // A pose that a search had at its limit is no witness.
+        if piece.witness.take_if(|witness| witness.undecided).is_some() {
+            decided = false;
+        }
+    }
+    let hypotheses = pose_sets(&case, pieces);
+    let complete = complete && decided && !case.stopped();
     Explanations { hypotheses, counters, num_boxes, complete }
 }
 
@@ -159,6 +166,9 @@ pub(super) fn canonical(case: &Case, assignment: &[Feature]) -> bool {
 /// Decides each assignment (MATH 2.1.2): a piece with a witness, if its pose set is not empty.
 fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
     let decide = |assignment: Vec<Feature>| {
+        if case.stopped() {
+            return None;
+        }
         let features = assignment.into_iter().map(|feature| vec![feature]).collect();
         let mut piece = Piece::new(case, features, None, Vec::new());
         piece.witness = Some(solve::witness(&piece.conditions(case))?);
@@ -173,12 +183,15 @@ fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
 
 /// Pieces of each hypothesis, in the order of their first piece.
 fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
-    let boxes: Vec<Vec<Cell>> = pieces.par_iter().map(|piece| boxes(case, piece)).collect();
+    let boxes: Vec<Vec<Cell>> = pieces.par_iter().map(|piece| solve::boxes(case, piece)).collect();
     let mut groups = Groups::new(pieces.len());
     let extents: Vec<Extent> = boxes.iter().map(|cells| Extent::of(case, cells, Pose::IDENTITY)).collect();
     // Where a pose of one explains the other: that costs little.
     for exact in [false, true] {
         for (k, one) in pieces.iter().enumerate() {
+            if case.stopped() {
+                break;
+            }
             for symmetry in &case.model.symmetries {
                 let mut image = None;
                 let extent = Extent::of(case, &boxes[k], symmetry.motion);
@@ -204,15 +217,6 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
         any.then(|| PoseSet::new(Shared::clone(case), pieces, true))
     };
     groups.into_iter().filter_map(set).collect()
-}
-
-/// Cells around all poses of a piece.
-fn boxes(case: &Case, piece: &Piece) -> Vec<Cell> {
-    if !piece.bounds.is_empty() {
-        return piece.bounds.clone();
-    }
-    let conditions = piece.conditions(case);
-    first_cells(&conditions).into_iter().filter_map(|cell| solve::contracted(&conditions, cell)).collect()
 }
 
 /// Model points at the pivot, in a box: most pairs of pieces are apart by these alone.

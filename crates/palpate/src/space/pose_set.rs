@@ -24,6 +24,9 @@ const MOST_ATTEMPTS: usize = 2000;
 /// Cells are divided so many times at most for a closer look at how far the set reaches.
 const MOST_DIVIDED: usize = 200;
 
+/// Cells of an enclosure, all pieces together; each piece has one at least.
+const MOST_CELLS: usize = 256;
+
 /// Steps between two samples.
 const SAMPLE_STEPS: usize = 6;
 
@@ -142,14 +145,8 @@ impl PoseSet {
     /// Never: a pose set without a witness is not made.
     #[must_use]
     pub fn witness(&self) -> Pose {
-        let doubt = |witness: &Witness| (witness.undecided, witness.marginal);
-        let surest = self.witnesses().min_by_key(doubt).expect("a pose set has a witness");
+        let surest = self.witnesses().min_by_key(|one| one.marginal).expect("a pose set has a witness");
         self.case.pose(surest.pose)
-    }
-
-    /// Whether the search met its limit in it, so that a witness may not be valid.
-    pub(crate) fn undecided(&self) -> bool {
-        self.witnesses().any(|witness| witness.undecided)
     }
 
     /// Whether every witness needs the tolerance τ.
@@ -184,24 +181,23 @@ impl PoseSet {
     pub fn sample(&self, count: usize, seed: u64) -> Vec<Pose> {
         let mut rng = fastrand::Rng::with_seed(seed);
         let (length, angle) = (self.case.length_tolerance, self.case.angle_tolerance);
-        let none_decided = self.witnesses().all(|witness| witness.undecided);
         let started: Vec<(usize, PivotPose)> = self
             .pieces
             .iter()
             .enumerate()
             .filter_map(|(number, piece)| Some((number, piece.witness?)))
-            .filter(|(_, witness)| !witness.undecided || none_decided)
             .map(|(number, witness)| (number, witness.pose))
             .collect();
         let mut walks = started.clone();
-        let extents: Vec<(f64, f64)> = started.iter().map(|(number, _)| self.extent(*number)).collect();
+        let mut extents: Vec<Option<(f64, f64)>> = vec![None; started.len()];
         (0..count)
             .map(|k| {
                 let at = if walks.len() <= count { k % walks.len() } else { rng.usize(..walks.len()) };
                 let (number, mut pose) = walks[at];
+                let (turn_reach, shift_reach) = *extents[at].get_or_insert_with(|| self.extent(number));
                 for _ in 0..SAMPLE_STEPS {
-                    let turn = direction(&mut rng) * extents[at].0 * rng.f64();
-                    let shift = direction(&mut rng) * extents[at].1 * rng.f64();
+                    let turn = direction(&mut rng) * turn_reach * rng.f64();
+                    let shift = direction(&mut rng) * shift_reach * rng.f64();
                     let (mut low, mut high) = (-1.0, 1.0);
                     for _ in 0..24 {
                         let t = low + (high - low) * rng.f64();
@@ -226,7 +222,7 @@ impl PoseSet {
 
     /// How far a piece may reach: in angle and in length.
     fn extent(&self, number: usize) -> (f64, f64) {
-        let cells = &self.cells()[number];
+        let cells = solve::boxes(&self.case, &self.pieces[number]);
         let turn = cells.iter().flat_map(|a| cells.iter().take(64).map(move |b| farthest(a, b)));
         let low = cells.iter().fold(DVec3::INFINITY, |low, cell| low.min(cell.y - cell.y_half));
         let high = cells.iter().fold(DVec3::NEG_INFINITY, |high, cell| high.max(cell.y + cell.y_half));
@@ -240,7 +236,7 @@ impl PoseSet {
             let base = self.witnesses().next().map(|witness| witness.pose.rotation);
             let enclose = |piece: &Piece| {
                 let conditions = piece.conditions(&self.case).relaxed();
-                solve::cells(&conditions, base, &piece.bounds)
+                solve::cells(&conditions, base, &piece.bounds, MOST_CELLS.div_ceil(self.pieces.len()))
             };
             self.pieces.iter().map(enclose).collect()
         })
@@ -357,6 +353,11 @@ impl PoseSet {
 impl Poses<DVec3> for PoseSet {
     fn marginal(&self) -> bool {
         self.marginal()
+    }
+
+    fn proved(&self) -> bool {
+        // A set without a decided witness is not made.
+        true
     }
 
     fn largest_slack(&self) -> Pose {

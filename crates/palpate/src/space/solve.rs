@@ -8,11 +8,12 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use super::case::PivotPose;
+use super::case::{Case, PivotPose};
 use super::cell::{Cell, Conditions};
 use super::first_cells::first_cells;
 use super::linear::WIDTH;
 use super::lp::Row;
+use super::pose_set::Piece;
 use super::site::Site;
 use crate::nearest::Nearest;
 use crate::witness;
@@ -34,9 +35,6 @@ const NUM_STEPS: usize = 4;
 
 /// The looseness that an enclosure may have, as a share of the size of what it encloses.
 const RESOLUTION: f64 = 0.02;
-
-/// Cells of an enclosure at most.
-const MOST_CELLS: usize = 256;
 
 /// A witness, or the certificate that there is none.
 pub(crate) fn witness(conditions: &Conditions<'_>) -> Option<Witness> {
@@ -237,9 +235,23 @@ pub(crate) fn centred(conditions: &Conditions<'_>, start: PivotPose) -> Vec<Pivo
     poses
 }
 
+/// Cells around all poses of a piece, as they are known.
+pub(super) fn boxes(case: &Case, piece: &Piece) -> Vec<Cell> {
+    if !piece.bounds.is_empty() {
+        return piece.bounds.clone();
+    }
+    let conditions = piece.conditions(case);
+    first_cells(&conditions).into_iter().filter_map(|cell| contracted(&conditions, cell)).collect()
+}
+
 /// Cells that hold every pose that satisfies the conditions, in the chart of `base` where that can be, within `bounds` if
-/// there are any.
-pub(crate) fn cells(conditions: &Conditions<'_>, base: Option<DMat3>, bounds: &[Cell]) -> Vec<Cell> {
+/// there are any. They are divided no more where they are `most`.
+pub(crate) fn cells(
+    conditions: &Conditions<'_>,
+    base: Option<DMat3>,
+    bounds: &[Cell],
+    most: usize,
+) -> Vec<Cell> {
     let reach = conditions.reach();
     let first = if bounds.is_empty() {
         first_cells(conditions)
@@ -268,7 +280,7 @@ pub(crate) fn cells(conditions: &Conditions<'_>, base: Option<DMat3>, bounds: &[
             loose > if turn_only { finest } else { 0.5 * size }
         };
         let count = open.len();
-        if count >= MOST_CELLS || conditions.case.stopped() || !open.iter().any(&coarse) {
+        if count >= most || conditions.case.stopped() || !open.iter().any(&coarse) {
             return open;
         }
         let parts = open.into_iter().flat_map(|cell| {

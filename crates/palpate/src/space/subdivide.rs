@@ -26,7 +26,7 @@ use crate::tree::FeaturePairs;
 const SMALL: f64 = 0.5;
 
 /// Cells examined for one model, and first for each choice of features of two contacts.
-const MOST_CELLS: u64 = 50_000;
+const MOST_CELLS: u64 = 20_000;
 const LEAST_CELLS: u64 = 50;
 
 /// Cells examined for a witness in a cell whose features hang together, before it is divided, and in a small cell.
@@ -34,7 +34,7 @@ const MOST_FOR_WITNESS: u32 = 16;
 const MOST_IN_SMALL: u32 = 1_000;
 
 /// Cells of one choice that are narrowed before linear conditions are asked.
-const MOST_NARROWED: usize = 256;
+const MOST_NARROWED: usize = 64;
 
 /// What the division left.
 #[derive(Debug, Default)]
