@@ -73,12 +73,7 @@ const OUTWARD: f64 = 1e-12;
 const ROUNDING: f64 = 1e-10;
 
 impl Case {
-    pub fn new(
-        model: &Shared<Model>,
-        evidence: &Evidence<DVec3>,
-        settings: &Settings,
-        stop: &Halt,
-    ) -> Self {
+    pub fn new(model: &Shared<Model>, evidence: &Evidence<DVec3>, settings: &Settings, stop: &Halt) -> Self {
         let tolerance = settings.tolerance;
         let pivot = middle(&evidence.contacts);
         // Without a prior one assignment stands for all that the symmetries take it to, up to what they miss.

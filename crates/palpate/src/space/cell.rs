@@ -198,10 +198,11 @@ impl Cell {
                     && site.distance(place, &caps) <= near
             });
             // The box that what is left leaves of the model points at the pivot.
-            let (low, high) = left.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), number| {
-                let site = &sites[*number as usize];
-                (low.min(site.low), high.max(site.high))
-            });
+            let (low, high) =
+                left.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), number| {
+                    let site = &sites[*number as usize];
+                    (low.min(site.low), high.max(site.high))
+                });
             let low = (low - lever - moved).max(self.y - self.y_half);
             let high = (high - lever + moved).min(self.y + self.y_half);
             if left.is_empty() || low.cmpgt(high).any() {
@@ -255,10 +256,8 @@ impl Cell {
 
     /// The rows, for `most`.
     pub fn linearized(&self, rows: &[Row<WIDTH>]) -> Linearized {
-        let motions = |row: &Row<WIDTH>| Row {
-            normal: std::array::from_fn(|j| row.normal[j]),
-            bound: row.bound,
-        };
+        let motions =
+            |row: &Row<WIDTH>| Row { normal: std::array::from_fn(|j| row.normal[j]), bound: row.bound };
         Program::new(rows.iter().map(motions), self.half_widths())
     }
 
@@ -298,7 +297,12 @@ impl Cell {
 
     /// The same cell with more around it, and such sites.
     pub fn widened(&self, length: f64, turn: f64, left: Vec<Vec<u32>>) -> Self {
-        Self { v_half: self.v_half + turn + TURN_ROUNDING, y_half: self.y_half + length, left, ..self.clone() }
+        Self {
+            v_half: self.v_half + turn + TURN_ROUNDING,
+            y_half: self.y_half + length,
+            left,
+            ..self.clone()
+        }
     }
 
     /// In another chart, a cell that holds it; `None` if its rotations are too far from there.

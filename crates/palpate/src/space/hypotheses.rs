@@ -13,7 +13,7 @@ use super::pose::Pose;
 use super::pose_set::{Piece, PoseSet};
 use super::sensed::Sensed;
 use super::solve;
-use super::subdivide;
+use super::subdivide::{self, MOST_CELLS};
 use super::tables::{FeatureTables, Kinds};
 use crate::contact::{Evidence, GRAZING};
 use crate::feature::Feature;
@@ -23,6 +23,9 @@ use crate::tree::{self, Counters};
 
 /// Nodes of the interpretation tree after which pose cells are divided instead.
 const MOST_NODES: u64 = 2_000_000;
+
+/// Cells examined for each feasible assignment at least; they share what there is for one model.
+const LEAST_FOR_ONE: u64 = 500;
 
 /// Feasible assignments after which pose cells are divided instead.
 const MOST_FEASIBLE: usize = 512;
@@ -165,13 +168,15 @@ pub(super) fn canonical(case: &Case, assignment: &[Feature]) -> bool {
 
 /// Decides each assignment (MATH 2.1.2): a piece with a witness, if its pose set is not empty.
 fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
+    let most = case.effort.unwrap_or(MOST_CELLS) / assignments.len().max(1) as u64;
+    let most = most.clamp(LEAST_FOR_ONE, u64::from(solve::MOST_EXAMINED)) as u32;
     let decide = |assignment: Vec<Feature>| {
         if case.stopped() {
             return None;
         }
         let features = assignment.into_iter().map(|feature| vec![feature]).collect();
         let mut piece = Piece::new(case, features, None, Vec::new());
-        piece.witness = Some(solve::witness(&piece.conditions(case))?);
+        piece.witness = Some(solve::witness(&piece.conditions(case), most)?);
         Some(piece)
     };
     if assignments.len() < 16 {

@@ -296,7 +296,8 @@ mod tests {
                 rows.extend([again, again]);
                 rows.iter_mut().for_each(|row| row.bound = row.bound.max(0.0).floor());
             }
-            let value = |objective: &[f64; 3], x: [f64; 3]| objective.iter().zip(x).map(|(c, x)| c * x).sum::<f64>();
+            let value =
+                |objective: &[f64; 3], x: [f64; 3]| objective.iter().zip(x).map(|(c, x)| c * x).sum::<f64>();
             let excess = |x: [f64; 3]| {
                 let rows = rows
                     .iter()

@@ -19,7 +19,18 @@ use crate::feature::Feature;
 use crate::hypothesis::{Count, choices};
 
 /// Assignments are counted by deciding so many choices of features at most.
-const MOST_ATTEMPTS: usize = 2000;
+const MOST_ATTEMPTS: usize = 200;
+
+/// Cells examined for each of them.
+const MOST_FOR_ATTEMPT: u32 = 100;
+
+/// What a choice of features for each contact is found to be.
+enum Attempt {
+    Valid(Vec<Feature>),
+    /// Or listed already.
+    Invalid,
+    Undecided,
+}
 
 /// Cells are divided so many times at most for a closer look at how far the set reaches.
 const MOST_DIVIDED: usize = 200;
@@ -293,7 +304,7 @@ impl PoseSet {
     /// vertices or without normals, no three faces independent.
     #[must_use]
     pub fn thesis_pose(&self) -> Option<ThesisPose> {
-        ThesisPose::new(&self.case, &self.attempts().flatten().next()?)
+        ThesisPose::new(&self.case, &self.assigned().next()?)
     }
 
     /// The poses of one of its assignments, alone.
@@ -310,16 +321,35 @@ impl PoseSet {
         Self::new(Shared::clone(&self.case), vec![piece], false)
     }
 
-    /// A pose of an assignment in the set.
+    /// A pose of an assignment in the set: one that is known, one in a piece that may hold it, or any.
     fn decide(&self, piece: &Piece) -> Option<Witness> {
         let conditions = piece.conditions(&self.case);
+        let holds = |one: &&Piece| {
+            let mut pairs = one.features.iter().zip(&piece.features);
+            !one.bounds.is_empty() && pairs.all(|(all, alone)| all.contains(&alone[0]))
+        };
+        let within = |one: &Piece| {
+            let found = solve::witness_within(&conditions, &one.bounds, &mut { MOST_FOR_ATTEMPT });
+            found.filter(|witness| !witness.undecided)
+        };
+        let in_a_piece = || self.pieces.iter().filter(holds).find_map(within);
         let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
         let known = self.witnesses().find(|witness| piece.satisfied(&self.case, witness.pose, length, angle));
-        known.map(|witness| Witness { marginal: true, ..witness }).or_else(|| solve::witness(&conditions))
+        known
+            .map(|witness| Witness { marginal: true, ..witness })
+            .or_else(in_a_piece)
+            .or_else(|| solve::witness(&conditions, solve::MOST_EXAMINED))
     }
 
     /// Its assignments one by one, each once, found as they are asked for; one of each that the model's symmetries repeat.
-    fn attempts(&self) -> impl Iterator<Item = Option<Vec<Feature>>> + Send + use<> {
+    fn assigned(&self) -> impl Iterator<Item = Vec<Feature>> + Send + use<> {
+        self.attempts().filter_map(|attempt| match attempt {
+            Attempt::Valid(assignment) => Some(assignment),
+            Attempt::Invalid | Attempt::Undecided => None,
+        })
+    }
+
+    fn attempts(&self) -> impl Iterator<Item = Attempt> + Send + use<> {
         let set = self.clone();
         let mut listed = BTreeSet::new();
         let all = (0..self.pieces.len()).flat_map({
@@ -335,17 +365,20 @@ impl PoseSet {
                 set.case.model.representative(choice.clone())
             };
             if listed.contains(&first) {
-                return None;
+                return Attempt::Invalid;
             }
-            let valid = single || {
+            if !single {
                 let features = choice.iter().map(|feature| vec![*feature]).collect();
                 let one = Piece::new(&set.case, features, None, Vec::new());
-                solve::may_hold(&one.conditions(&set.case), Some(&piece.bounds), solve::MOST_EXAMINED)
-            };
-            valid.then(|| {
-                listed.insert(first.clone());
-                first
-            })
+                let conditions = one.conditions(&set.case);
+                match solve::witness_within(&conditions, &piece.bounds, &mut { MOST_FOR_ATTEMPT }) {
+                    None => return Attempt::Invalid,
+                    Some(witness) if witness.undecided => return Attempt::Undecided,
+                    Some(_) => {}
+                }
+            }
+            listed.insert(first.clone());
+            Attempt::Valid(first)
         })
     }
 }
@@ -366,18 +399,20 @@ impl Poses<DVec3> for PoseSet {
 
     fn assignment_count(&self) -> Count {
         if self.pieces.iter().all(|piece| piece.features.iter().all(|features| features.len() == 1)) {
-            return Count { at_least: self.attempts().flatten().count() as u64, exact: true };
+            return Count { at_least: self.assigned().count() as u64, exact: true };
         }
-        let (mut counted, mut num_attempts) = (0, 0);
+        let (mut at_least, mut num_attempts, mut decided) = (0, 0, true);
         for attempt in self.attempts().take(MOST_ATTEMPTS) {
             num_attempts += 1;
-            counted += u64::from(attempt.is_some());
+            at_least += u64::from(matches!(attempt, Attempt::Valid(_)));
+            decided &= !matches!(attempt, Attempt::Undecided);
         }
-        Count { at_least: counted, exact: num_attempts < MOST_ATTEMPTS }
+        // A set has a pose, and that an assignment.
+        Count { at_least: at_least.max(1), exact: decided && num_attempts < MOST_ATTEMPTS }
     }
 
     fn assignments(&self) -> Box<dyn Iterator<Item = Vec<Feature>> + Send> {
-        Box::new(self.attempts().flatten())
+        Box::new(self.assigned())
     }
 
     fn of_assignment(&self, assignment: &[Feature]) -> Self {

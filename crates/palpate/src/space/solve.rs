@@ -36,9 +36,9 @@ const NUM_STEPS: usize = 4;
 /// The looseness that an enclosure may have, as a share of the size of what it encloses.
 const RESOLUTION: f64 = 0.02;
 
-/// A witness, or the certificate that there is none.
-pub(crate) fn witness(conditions: &Conditions<'_>) -> Option<Witness> {
-    search(conditions, first_cells(conditions), None, &mut { MOST_EXAMINED })
+/// A witness, or the certificate that there is none, within so many cells.
+pub(crate) fn witness(conditions: &Conditions<'_>, most_examined: u32) -> Option<Witness> {
+    search(conditions, first_cells(conditions), None, &mut { most_examined })
 }
 
 /// A witness within the cells, or the certificate that there is none. Sites that the cells have lost may come back.

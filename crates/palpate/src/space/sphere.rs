@@ -133,17 +133,6 @@ fn offer(best: &mut Option<DVec3>, direction: DVec3, candidate: DVec3, allowed: 
     }
 }
 
-/// No direction in all of `caps` has more of `direction`; `-∞` if there is none.
-pub(crate) fn greatest(direction: DVec3, caps: &[Cap]) -> f64 {
-    let length = direction.length();
-    match direction.try_normalize() {
-        None => 0.0,
-        Some(unit) => {
-            nearest(unit, caps).map_or(f64::NEG_INFINITY, |n| length * (unit.dot(n) + 4.0 * COAXIAL))
-        }
-    }
-}
-
 /// No direction in all of `caps` has more of `direction`: the least of what each cap allows by itself, which takes no rims
 /// that cross.
 pub(crate) fn greatest_in_each(direction: DVec3, caps: &[Cap]) -> f64 {
@@ -151,7 +140,8 @@ pub(crate) fn greatest_in_each(direction: DVec3, caps: &[Cap]) -> f64 {
     let Some(unit) = direction.try_normalize() else { return 0.0 };
     let most = |cap: &Cap| {
         let (apart, across) = (unit.dot(cap.axis), unit.cross(cap.axis).length());
-        let (sine, cosine) = (cap.chord * (1.0 - 0.25 * cap.chord * cap.chord).max(0.0).sqrt(), 0.5 * cap.chord * cap.chord);
+        let (sine, cosine) =
+            (cap.chord * (1.0 - 0.25 * cap.chord * cap.chord).max(0.0).sqrt(), 0.5 * cap.chord * cap.chord);
         let cosine = 1.0 - cosine;
         if apart >= cosine { 1.0 } else { apart * cosine + across * sine }
     };
@@ -160,7 +150,7 @@ pub(crate) fn greatest_in_each(direction: DVec3, caps: &[Cap]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{COAXIAL, Cap, greatest, nearest};
+    use super::{COAXIAL, Cap, greatest_in_each, nearest};
     use crate::space::site::angle;
     use glam::DVec3;
 
@@ -194,7 +184,7 @@ mod tests {
                 if caps.iter().all(|cap| cap.holds(sample)) {
                     let answer = answer.expect("there is a direction");
                     assert!(answer.dot(direction) >= sample.dot(direction) - 1e-10);
-                    assert!(greatest(direction, &caps) >= sample.dot(direction));
+                    assert!(greatest_in_each(direction, &caps) >= sample.dot(direction));
                 }
             }
             if let Some(answer) = answer {
@@ -249,7 +239,7 @@ mod tests {
                 assert!(angle(answer, cap.axis) <= cap.angle + 8.0 * COAXIAL);
             }
             assert!(answer.distance(direction) <= kept.distance(direction) + 8.0 * COAXIAL);
-            assert!(greatest(direction, &caps) >= kept.dot(direction));
+            assert!(greatest_in_each(direction, &caps) >= kept.dot(direction));
         }
     }
 }

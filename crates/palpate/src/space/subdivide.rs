@@ -26,7 +26,7 @@ use crate::tree::FeaturePairs;
 const SMALL: f64 = 0.5;
 
 /// Cells examined for one model, and first for each choice of features of two contacts.
-const MOST_CELLS: u64 = 20_000;
+pub(super) const MOST_CELLS: u64 = 20_000;
 const LEAST_CELLS: u64 = 50;
 
 /// Cells examined for a witness in a cell whose features hang together, before it is divided, and in a small cell.
