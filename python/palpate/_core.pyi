@@ -613,6 +613,13 @@ class Hypothesis:
     @property
     def marginal(self) -> bool:
         """Whether it is kept only thanks to the tolerance."""
+    @property
+    def proved(self) -> bool:
+        """Whether a pose is known that explains every contact.
+
+        If not, a search met its limit before it knew whether there is one: the hypothesis is kept, so that nothing true is lost,
+        `Recognition.complete` is False, and `world_from_model` and samples are the best guess.
+        """
 
 @final
 class Interpretation:

@@ -423,6 +423,12 @@ Without a prior, one of each that the model's symmetries repeat; with a prior ev
     ("Hypothesis.marginal") => {
         r"Whether it is kept only thanks to the tolerance."
     };
+    ("Hypothesis.proved") => {
+        r"Whether a pose is known that explains every contact.
+
+If not, a search met its limit before it knew whether there is one: the hypothesis is kept, so that nothing true is lost,
+`Recognition.complete` is False, and `world_from_model` and samples are the best guess."
+    };
     ("Interpretation") => {
         r"A model with one feature for each contact, which at least one pose satisfies (2.2)."
     };

@@ -102,13 +102,23 @@ impl PyHypothesis {
         either!(&self.hypothesis, one => one.marginal())
     }
 
+    #[doc = doc!("Hypothesis.proved")]
+    #[getter]
+    fn proved(&self) -> bool {
+        either!(&self.hypothesis, one => one.proved())
+    }
+
     fn __repr__(&self, py: Python<'_>) -> String {
-        let marginal = if self.marginal() { ", marginal" } else { "" };
+        let doubt = match (self.proved(), self.marginal()) {
+            (false, _) => ", not proved",
+            (true, true) => ", marginal",
+            (true, false) => "",
+        };
         let place = either!(&self.hypothesis, one => {
             let best = py.detach(|| one.world_from_model());
             format!("{:?} {}", one.model.name, place(best, one.model.size))
         });
-        format!("<Hypothesis: {place}{marginal}>")
+        format!("<Hypothesis: {place}{doubt}>")
     }
 }
 

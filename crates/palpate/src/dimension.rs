@@ -66,7 +66,7 @@ pub trait Dimension:
 pub trait Poses<V: Dimension>: Debug + Clone + Send + Sync {
     /// Whether every witness needs the tolerance τ.
     fn marginal(&self) -> bool;
-    /// Whether a pose is known that explains every contact: not if the search was given up before it was decided.
+    /// Whether a pose is known that explains every contact: not if the search met its limit before it was decided.
     fn proved(&self) -> bool;
     /// The pose at which the worst reading uses the smallest share of its bounds.
     fn largest_slack(&self) -> V::Pose;

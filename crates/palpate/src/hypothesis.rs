@@ -55,6 +55,13 @@ impl<V: Dimension> Hypothesis<V> {
         self.poses.marginal()
     }
 
+    /// Whether a pose is known that explains every contact. If not, a search met its limit before it knew whether there is
+    /// one: the hypothesis is kept, so that nothing true is lost, and the answer is not complete.
+    #[must_use]
+    pub fn proved(&self) -> bool {
+        self.poses.proved()
+    }
+
     /// The pose with the largest slack: the worst reading uses the smallest share of its bounds.
     #[must_use]
     pub fn world_from_model(&self) -> V::Pose {

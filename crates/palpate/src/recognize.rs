@@ -8,7 +8,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::contact::GRAZING;
-use crate::dimension::{Dimension, Poses};
+use crate::dimension::Dimension;
 use crate::hypothesis::{Count, Hypothesis};
 use crate::tree::Counters;
 use crate::{Error, Evidence};
@@ -155,9 +155,6 @@ pub fn recognize_until<V: Dimension>(
             model_number,
             poses,
         }));
-    }
-    if stop.load(Relaxed) {
-        hypotheses.retain(|one: &Hypothesis<V>| one.poses.proved());
     }
     complete &= hypotheses.len() <= settings.max_hypotheses;
     hypotheses.truncate(settings.max_hypotheses);

@@ -99,6 +99,7 @@ def _hypothesis(hypothesis: Hypothesis, *, num_listed: int) -> dict[str, Any]:
         "model": hypothesis.model.name,
         "model_number": hypothesis.model_number,
         "marginal": hypothesis.marginal,
+        "proved": hypothesis.proved,
         "interpretation_count": hypothesis.interpretation_count,
         "interpretation_count_exact": hypothesis.interpretation_count_exact,
         "world_from_model": _rows(hypothesis.world_from_model),

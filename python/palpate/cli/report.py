@@ -61,6 +61,8 @@ def print_recognition(
     )
     if any(hypothesis.marginal for hypothesis in found.hypotheses):
         console.print("* marginal: holds only within the tolerance of the search.")
+    if not all(hypothesis.proved for hypothesis in found.hypotheses):
+        console.print("? not proved: the search ended before it found a pose that explains every contact, or that none does.")
     for number, hypothesis in enumerate(found.hypotheses[: MOST_ROWS if num_listed else 0], start=1):
         label = labels[hypothesis.model_number]
         console.print(f"interpretations of {number}, {escape(label)}:")
@@ -138,7 +140,7 @@ def _hypothesis_table(hypotheses: Sequence[Hypothesis], labels: Sequence[str]) -
     for number, (hypothesis, pose) in enumerate(zip(hypotheses, poses, strict=True), start=1):
         table.add_row(
             str(number),
-            escape(labels[hypothesis.model_number]) + (" *" if hypothesis.marginal else ""),
+            escape(labels[hypothesis.model_number]) + _doubt(hypothesis),
             _at_least_number(hypothesis.interpretation_count, hypothesis.interpretation_count_exact),
             *(f"{v:.2f}" if name.endswith("_deg") else decimal(v, size) for name, v in pose.items()),
             _bound(math.degrees(hypothesis.poses.rotation_bound)),
@@ -195,3 +197,9 @@ def _bound(value: float) -> str:
     # A value that is printed as it is stays: 1e-9 of a step is what rounding in floats may add.
     rounded = math.ceil(value / step - 1e-9) * step
     return f"{rounded:.{decimals}f}" if decimals <= 9 else f"{rounded:.1e}"
+
+
+def _doubt(hypothesis: Hypothesis) -> str:
+    if not hypothesis.proved:
+        return " ?"
+    return " *" if hypothesis.marginal else ""

@@ -16,6 +16,7 @@ use super::tables::Kinds;
 use super::{Lying, Model, Pose, Prior, solve, subdivide};
 use crate::contact::{Contact, Evidence, Miss, Normal};
 use crate::feature::Feature;
+use crate::recognize::Settings;
 use crate::tree::FeaturePairs;
 
 /// Random evidence of a model at a pose.
@@ -267,7 +268,7 @@ fn no_cell_loses_a_pose_that_it_holds() {
         };
         let model = Shared::new(mesh(&shape));
         let problem = problem(&mut random, &model);
-        let case = Case::new(&model, &problem.evidence, 1e-6, &Shared::default());
+        let case = Case::new(&model, &problem.evidence, &Settings::default(), &Shared::default());
         check_tables(&case, &problem);
         let features = problem.choices.iter().enumerate().map(|(contact, one)| (contact, one.as_slice()));
         let conditions = Conditions::new(&case, features).expect("all can be touched");

@@ -52,22 +52,15 @@ pub(crate) fn explain(
     if tables.features().is_empty() {
         return nothing;
     }
-    let (mut pieces, num_boxes, complete) =
-        if let Some(assignments) = interpretation_tree(&case, tables, &mut counters) {
-            (valid(&case, assignments), 0, true)
-        } else {
-            let division = subdivide::subdivide(&case, tables);
-            (division.pieces, division.examined, division.complete)
-        };
-    let mut decided = true;
-    for piece in &mut pieces {
-        // A pose that a search had at its limit is no witness.
-        if piece.witness.take_if(|witness| witness.undecided).is_some() {
-            decided = false;
-        }
-    }
+    let (pieces, num_boxes) = if let Some(assignments) = interpretation_tree(&case, tables, &mut counters) {
+        (valid(&case, assignments), 0)
+    } else {
+        let division = subdivide::subdivide(&case, tables);
+        (division.pieces, division.examined)
+    };
+    let decided = !pieces.iter().any(|piece| piece.witness.is_some_and(|witness| witness.undecided));
     let hypotheses = pose_sets(&case, pieces);
-    let complete = complete && decided && !case.stopped();
+    let complete = decided && !case.stopped();
     Explanations { hypotheses, counters, num_boxes, complete }
 }
 
@@ -216,7 +209,12 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
         }
     }
     let groups = groups.collect(pieces.into_iter());
-    let set = |pieces: Vec<Piece>| {
+    let set = |mut pieces: Vec<Piece>| {
+        let is_decided = |piece: &Piece| piece.witness.is_some_and(|witness| !witness.undecided);
+        if pieces.iter().any(is_decided) {
+            // A pose that a search had at its limit is no witness beside others.
+            pieces.iter_mut().for_each(|piece| piece.witness = piece.witness.filter(|one| !one.undecided));
+        }
         // What has no witness is no more than an enclosure beside pieces that have one.
         let any = pieces.iter().any(|piece| piece.witness.is_some());
         any.then(|| PoseSet::new(Shared::clone(case), pieces, true))

@@ -156,7 +156,10 @@ impl PoseSet {
     /// Never: a pose set without a witness is not made.
     #[must_use]
     pub fn witness(&self) -> Pose {
-        let surest = self.witnesses().min_by_key(|one| one.marginal).expect("a pose set has a witness");
+        let surest = self
+            .witnesses()
+            .min_by_key(|one| (one.undecided, one.marginal))
+            .expect("a pose set has a witness");
         self.case.pose(surest.pose)
     }
 
@@ -389,8 +392,7 @@ impl Poses<DVec3> for PoseSet {
     }
 
     fn proved(&self) -> bool {
-        // A set without a decided witness is not made.
-        true
+        self.witnesses().any(|witness| !witness.undecided)
     }
 
     fn largest_slack(&self) -> Pose {

@@ -36,14 +36,12 @@ const MOST_IN_SMALL: u32 = 1_000;
 /// Cells of one choice that are narrowed before linear conditions are asked.
 const MOST_NARROWED: usize = 64;
 
-/// What the division left.
+/// What the division left: every pose is in a piece.
 #[derive(Debug, Default)]
 pub(crate) struct Subdivision {
     pub pieces: Vec<Piece>,
     /// Cells examined.
     pub examined: u64,
-    /// Every pose is in a piece that is left.
-    pub complete: bool,
 }
 
 /// What each contact may lie on by itself: everything, but for the prior.
@@ -84,7 +82,7 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
         .map(|numbers| numbers.iter().map(|number| tables.feature(*number)).collect())
         .collect();
     if features.iter().any(Vec::is_empty) {
-        return Subdivision { complete: true, ..Subdivision::default() };
+        return Subdivision::default();
     }
     let touching = Touching::new(case);
     let parts: Vec<Subdivision> = match best_pair(case) {
@@ -122,11 +120,10 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
         }
         None => divide_all(case, &touching, &[features]),
     };
-    let mut all = Subdivision { complete: true, ..Subdivision::default() };
+    let mut all = Subdivision::default();
     for part in parts {
         all.pieces.extend(part.pieces);
         all.examined += part.examined;
-        all.complete &= part.complete;
     }
     all
 }
@@ -184,7 +181,7 @@ impl<'a> Division<'a> {
     fn new(case: &'a Case, touching: &'a Touching, features: &[Vec<Feature>]) -> Option<Self> {
         let pairs = features.iter().enumerate().map(|(contact, features)| (contact, features.as_slice()));
         let conditions = Conditions::new(case, pairs)?;
-        let left = Subdivision { complete: true, ..Subdivision::default() };
+        let left = Subdivision::default();
         let mut division = Self { case, touching, conditions, open: Vec::new(), left };
         let first = narrowed(&division.conditions, first_cells(&division.conditions));
         // Those that hang together are one piece, if what they leave does.
@@ -219,21 +216,12 @@ impl<'a> Division<'a> {
         }
     }
 
-    /// Cells that are still open are pieces where they touch, whatever their features: so what is true is in one. If a search
-    /// ends before it knows whether any pose is in a piece, the answer is not complete.
+    /// Cells that are still open are pieces where they touch, whatever their features: so what is true is in one.
     fn finish(&mut self, budget: u32) {
         let open = std::mem::take(&mut self.open);
         for cells in together(open) {
-            if self.case.stopped() {
-                self.left.complete = false;
-                break;
-            }
             let piece = self.piece(of_cells(&self.conditions, &cells), &cells, budget);
-            match piece.witness {
-                None => {}
-                Some(witness) if witness.undecided => self.left.complete = false,
-                Some(_) => self.left.pieces.push(piece),
-            }
+            self.left.pieces.extend(piece.witness.is_some().then_some(piece));
         }
     }
 
