@@ -27,8 +27,9 @@ const MOTIONS: usize = WIDTH - 1;
 /// The linear conditions of a cell, to be asked how far its valid poses reach one way and another.
 pub(super) type Linearized = Program<MOTIONS>;
 
-/// Above this radius, radians, the linear conditions say too little.
-const WIDEST: f64 = 0.3;
+/// Above this radius, radians, the linear conditions say nothing, and above the other too little for a search.
+const WIDEST: f64 = 1.2;
+const WIDEST_SEARCHED: f64 = 0.3;
 
 /// A part of pose space.
 #[derive(Debug, Clone)]
@@ -285,9 +286,14 @@ impl Cell {
         true
     }
 
-    /// Whether linear conditions are of use.
-    pub fn is_narrow(&self) -> bool {
+    /// Whether linear conditions say anything.
+    pub fn is_linear(&self) -> bool {
         self.radius() <= WIDEST
+    }
+
+    /// Whether a search asks linear conditions: what is wider is divided first.
+    pub fn is_narrow(&self) -> bool {
+        self.radius() <= WIDEST_SEARCHED
     }
 
     /// The same, made narrow around a pose of it, for a step towards a witness.

@@ -59,7 +59,7 @@ impl Enclosed {
     }
 
     fn of_poses(&self, conditions: &[Conditions<'_>], along: &Along, first_order: bool) -> f64 {
-        if !self.cell.is_narrow() {
+        if !self.cell.is_linear() {
             return self.of_box(along);
         }
         let make = || {

@@ -9,6 +9,8 @@
 //! by weak duality; the last sum is what the multipliers miss, and rounding is added to it (Neumaier and Shcherbina,
 //! Safe bounds in linear and mixed-integer linear programming, 2004).
 
+use arrayvec::ArrayVec;
+
 /// `normal · x ≤ bound`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Row<const N: usize> {
@@ -33,6 +35,12 @@ const VIOLATED: f64 = 1e-11;
 
 /// The share of what is summed by which a computed bound may be wrong: some hundred units of rounding.
 const ROUNDING: f64 = 1e-13;
+
+/// A bound that is above what a point has by no more than this, of its size, is attained.
+const ATTAINED: f64 = 1e-7;
+
+/// Members that a way may meet at once.
+const MOST_MET: usize = 16;
 
 /// Shares of a row below this are rounding.
 const NOTHING: f64 = 1e-12;
@@ -89,13 +97,24 @@ impl<const N: usize> Program<N> {
 
     /// Maximizes `objective · x`.
     pub fn maximize(&mut self, objective: &[f64; N]) -> Optimum<N> {
-        let duals = match self.state {
-            State::Outside => self.enter(objective),
-            State::Feasible => Some(self.climb(objective)),
-            State::Empty => None,
-        };
-        let Some(duals) = duals else { return Optimum { point: self.point, bound: f64::NEG_INFINITY } };
-        let proof = self.basis.iter().zip(&duals).map(|(one, dual)| (*one, dual.max(0.0)));
+        if self.state == State::Feasible {
+            let duals = self.climb(objective);
+            let optimum = self.optimum(objective, &duals);
+            let value = dot(objective, &self.point);
+            if optimum.bound - value <= ATTAINED * (1.0 + value.abs()) {
+                return optimum;
+            }
+        }
+        // From the start, where there is none to climb from, or rounding has spoilt the corner.
+        let duals = if self.state == State::Empty { None } else { self.enter(objective) };
+        match duals {
+            Some(duals) => self.optimum(objective, &duals),
+            None => Optimum { point: self.point, bound: f64::NEG_INFINITY },
+        }
+    }
+
+    fn optimum(&self, objective: &[f64; N], duals: &[f64; N]) -> Optimum<N> {
+        let proof = self.basis.iter().zip(duals).map(|(one, dual)| (*one, dual.max(0.0)));
         let bound = self.proved(objective, proof);
         // Multipliers beyond all numbers prove nothing.
         Optimum { point: self.point, bound: if bound.is_nan() { f64::INFINITY } else { bound } }
@@ -104,6 +123,7 @@ impl<const N: usize> Program<N> {
     /// From the corner of the box that is best, until no row is violated: a dual simplex. `None`: nothing is feasible.
     fn enter(&mut self, objective: &[f64; N]) -> Option<[f64; N]> {
         let mut duals = [0.0; N];
+        self.state = State::Outside;
         self.inverse = [[0.0; N]; N];
         for j in 0..N {
             let up = objective[j] > 0.0;
@@ -211,26 +231,42 @@ impl<const N: usize> Program<N> {
         worst.map(|(_, one)| one)
     }
 
-    /// What is met first on a way from the point, and how far along; of what is met together, what the way meets most
-    /// squarely.
+    /// What is met first on a way from the point, and how far along; of what is met within the tolerance, what the way meets
+    /// most squarely, so that no corner hangs on rounding (Harris 1973).
     fn first_met(&self, way: &[f64; N]) -> Option<(Member, f64)> {
-        let mut first: Option<(f64, f64, Member)> = None;
-        let mut offer = |rate: f64, left: f64, one: Member| {
-            if rate > NOTHING {
-                let step = left.max(0.0) / rate;
-                if first.is_none_or(|(least, known, _)| step < least || (step <= least && rate > known)) {
-                    first = Some((step, rate, one));
-                }
+        let flat = 1e-10 * dot(way, way).sqrt();
+        let mut met: ArrayVec<(f64, f64, Member), MOST_MET> = ArrayVec::new();
+        let mut farthest = f64::INFINITY;
+        let mut offer = |rate: f64, left: f64, scale: f64, one: Member| {
+            if rate <= flat {
+                return;
             }
+            let step = left.max(0.0) / rate;
+            if step > farthest {
+                return;
+            }
+            farthest = farthest.min((left.max(0.0) + 10.0 * VIOLATED * scale) / rate);
+            if met.is_full() {
+                met.retain(|(step, ..)| *step <= farthest);
+            }
+            // Where too many are met at once, those that are met more squarely matter.
+            if met.is_full() {
+                let flattest = (0..met.len()).min_by(|a, b| met[*a].1.total_cmp(&met[*b].1)).unwrap_or(0);
+                met.swap_remove(flattest);
+            }
+            met.push((step, rate, one));
         };
         for (k, row) in self.rows.iter().enumerate() {
-            offer(dot(&row.normal, way), row.bound - dot(&row.normal, &self.point), Member::Row(k));
+            let left = row.bound - dot(&row.normal, &self.point);
+            offer(dot(&row.normal, way), left, 1.0 + row.bound.abs(), Member::Row(k));
         }
         for j in 0..N {
-            offer(way[j], self.half[j] - self.point[j], Member::High(j));
-            offer(-way[j], self.half[j] + self.point[j], Member::Low(j));
+            let half = self.half[j];
+            offer(way[j], half - self.point[j], 1.0 + half, Member::High(j));
+            offer(-way[j], half + self.point[j], 1.0 + half, Member::Low(j));
         }
-        first.map(|(step, _, one)| (one, step))
+        let first = met.iter().filter(|(step, ..)| *step <= farthest).max_by(|a, b| a.1.total_cmp(&b.1));
+        first.map(|(step, _, one)| (*one, *step))
     }
 
     fn member(&self, one: Member) -> ([f64; N], f64) {

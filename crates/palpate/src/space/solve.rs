@@ -306,7 +306,7 @@ fn shrunk(conditions: &Conditions<'_>, mut cell: Cell) -> Option<Cell> {
     loop {
         let before = cell.radius();
         cell = contracted(conditions, cell)?;
-        if !cell.is_narrow() || cell.radius() > 0.9 * before {
+        if !cell.is_linear() || cell.radius() > 0.9 * before {
             return Some(cell);
         }
     }
@@ -318,7 +318,7 @@ pub(super) fn contracted(conditions: &Conditions<'_>, mut cell: Cell) -> Option<
         if !cell.restrict(conditions) {
             return None;
         }
-        if !cell.is_narrow() {
+        if !cell.is_linear() {
             return Some(cell);
         }
         let rows = cell.rows(conditions, false);
