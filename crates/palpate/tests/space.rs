@@ -247,7 +247,7 @@ fn nearly_parallel_normals() {
 #[test]
 fn free_space() {
     let mut random = Random(fastrand::Rng::with_seed(18));
-    for number in 0..10 {
+    for number in 0..20 {
         let outline = outline(&mut random);
         let model = prism("part", &outline, 20.0 + 60.0 * random.unit());
         let pose = random.pose();

@@ -24,8 +24,8 @@ use crate::tree::{self, Counters};
 /// Nodes of the interpretation tree after which pose cells are divided instead.
 const MOST_NODES: u64 = 2_000_000;
 
-/// Cells examined for each feasible assignment at least; they share what there is for one model.
-const LEAST_FOR_ONE: u64 = 500;
+/// Cells examined for each feasible assignment, before those that are undecided share what there is for one model.
+const MOST_AT_FIRST: u64 = 500;
 
 /// Feasible assignments after which pose cells are divided instead.
 const MOST_FEASIBLE: usize = 512;
@@ -161,22 +161,31 @@ pub(super) fn canonical(case: &Case, assignment: &[Feature]) -> bool {
 
 /// Decides each assignment (MATH 2.1.2): a piece with a witness, if its pose set is not empty.
 fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
-    let most = case.effort.unwrap_or(MOST_CELLS) / assignments.len().max(1) as u64;
-    let most = most.clamp(LEAST_FOR_ONE, u64::from(solve::MOST_EXAMINED)) as u32;
-    let decide = |assignment: Vec<Feature>| {
-        if case.stopped() {
-            return None;
+    let decide = |piece: &mut Piece, most: u64| {
+        if !case.stopped() {
+            piece.witness = solve::witness(&piece.conditions(case), most as u32);
         }
+    };
+    let begin = |assignment: Vec<Feature>| {
         let features = assignment.into_iter().map(|feature| vec![feature]).collect();
         let mut piece = Piece::new(case, features, None, Vec::new());
-        piece.witness = Some(solve::witness(&piece.conditions(case), most)?);
-        Some(piece)
+        decide(&mut piece, MOST_AT_FIRST);
+        piece.witness.is_some().then_some(piece)
     };
-    if assignments.len() < 16 {
-        assignments.into_iter().filter_map(decide).collect()
+    let mut pieces: Vec<Piece> = if assignments.len() < 16 {
+        assignments.into_iter().filter_map(begin).collect()
     } else {
-        assignments.into_par_iter().filter_map(decide).collect()
+        assignments.into_par_iter().filter_map(begin).collect()
+    };
+    // Those that need more share it.
+    let is_undecided = |piece: &Piece| piece.witness.is_some_and(|witness| witness.undecided);
+    let num_undecided = pieces.iter().filter(|piece| is_undecided(piece)).count() as u64;
+    let most = case.effort.unwrap_or(MOST_CELLS) / num_undecided.max(1);
+    if most > MOST_AT_FIRST {
+        pieces.par_iter_mut().filter(|piece| is_undecided(piece)).for_each(|piece| decide(piece, most));
+        pieces.retain(|piece| piece.witness.is_some());
     }
+    pieces
 }
 
 /// Pieces of each hypothesis, in the order of their first piece.
@@ -208,18 +217,20 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
             }
         }
     }
-    let groups = groups.collect(pieces.into_iter());
-    let set = |mut pieces: Vec<Piece>| {
-        let is_decided = |piece: &Piece| piece.witness.is_some_and(|witness| !witness.undecided);
-        if pieces.iter().any(is_decided) {
-            // A pose that a search had at its limit is no witness beside others.
-            pieces.iter_mut().for_each(|piece| piece.witness = piece.witness.filter(|one| !one.undecided));
-        }
-        // What has no witness is no more than an enclosure beside pieces that have one.
-        let any = pieces.iter().any(|piece| piece.witness.is_some());
-        any.then(|| PoseSet::new(Shared::clone(case), pieces, true))
+    let is_decided = |piece: &Piece| piece.witness.is_some_and(|witness| !witness.undecided);
+    let groups = groups.collect(pieces.into_iter()).into_iter();
+    let (proved, rest): (Vec<_>, Vec<_>) = groups.partition(|pieces| pieces.iter().any(is_decided));
+    let set = |pieces: Vec<Piece>| PoseSet::new(Shared::clone(case), pieces, true);
+    let without_guesses = |mut pieces: Vec<Piece>| {
+        // A pose that a search had at its limit is no witness beside others.
+        pieces.iter_mut().for_each(|piece| piece.witness = piece.witness.filter(|one| !one.undecided));
+        set(pieces)
     };
-    groups.into_iter().filter_map(set).collect()
+    let mut sets: Vec<PoseSet> = proved.into_iter().map(without_guesses).collect();
+    // All of which it is not known whether there is a pose is one set, the last: so much is not decided.
+    let undecided = rest.concat();
+    sets.extend(undecided.iter().any(|piece| piece.witness.is_some()).then(|| set(undecided)));
+    sets
 }
 
 /// Model points at the pivot, in a box: most pairs of pieces are apart by these alone.

@@ -190,8 +190,9 @@ impl<'a> Linear<'a> {
         let case = self.conditions.case;
         let datum = &case.data[self.conditions.sites[condition].0];
         let caps = datum.reading.caps(self.conditions.angle + self.radius, |axis| self.turn * axis);
+        let tight = self.cell.left[condition].len() == 1;
         let supports =
-            self.cell.left_of(self.conditions, condition).map(|site| site.support(direction, &caps));
+            self.cell.left_of(self.conditions, condition).map(|site| site.support(direction, &caps, tight));
         let farthest = supports.fold(f64::NEG_INFINITY, f64::max);
         let lever = self.turn * datum.lever;
         let bound =

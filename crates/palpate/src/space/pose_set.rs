@@ -38,6 +38,9 @@ const MOST_DIVIDED: usize = 200;
 /// Cells of an enclosure, all pieces together; each piece has one at least.
 const MOST_CELLS: usize = 256;
 
+/// Above so many cells that were left undivided, extents are those of a ball.
+const MOST_MEASURED: usize = 1000;
+
 /// Steps between two samples.
 const SAMPLE_STEPS: usize = 6;
 
@@ -247,6 +250,13 @@ impl PoseSet {
     /// Cells that hold every pose, up to τ, for each piece: made when first asked for.
     fn cells(&self) -> &[Vec<Cell>] {
         self.cells.get_or_init(|| {
+            if self.is_sprawling() {
+                let around = |cell: &Cell| {
+                    let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
+                    cell.widened(length, angle, cell.left.clone())
+                };
+                return self.pieces.iter().map(|piece| piece.bounds.iter().map(around).collect()).collect();
+            }
             let base = self.witnesses().next().map(|witness| witness.pose.rotation);
             let enclose = |piece: &Piece| {
                 let conditions = piece.conditions(&self.case).relaxed();
@@ -254,6 +264,11 @@ impl PoseSet {
             };
             self.pieces.iter().map(enclose).collect()
         })
+    }
+
+    /// Whether it is in so many cells that its extents are those of all of them.
+    fn is_sprawling(&self) -> bool {
+        self.pieces.iter().map(|piece| piece.bounds.len()).sum::<usize>() > MOST_MEASURED
     }
 
     /// The cells, divided where their conditions say too little of how far the set reaches: made when first asked for.
@@ -280,6 +295,9 @@ impl PoseSet {
     /// No two poses of the set differ by more, radians, at most π.
     #[must_use]
     pub fn rotation_bound(&self) -> f64 {
+        if self.is_sprawling() {
+            return self.case.most_turn();
+        }
         *self.rotation_bound.get_or_init(|| {
             let cells = || self.fine_cells().iter().flatten();
             let bound = if let Some(start) = one_chart(self.fine_cells()) {
@@ -297,6 +315,12 @@ impl PoseSet {
     /// No two poses of the set move the model point further apart.
     #[must_use]
     pub fn excursion(&self, point_model: DVec3) -> f64 {
+        if self.is_sprawling() {
+            // In a ball about the pivot.
+            let reach = |cell: &Cell| point_model.distance(cell.y) + cell.y_half.length();
+            let radius = self.cells().iter().flatten().map(reach).fold(0.0, f64::max);
+            return 2.0 * radius + 4.0 * self.case.outward();
+        }
         let cells = self.fine_cells();
         let Some(base) = cells.iter().flatten().next().map(Cell::rotation) else { return 0.0 };
         let bound = self.extent_of(cells, 0).diameter(|axis, cell| placed(cell, axis, base, point_model));

@@ -175,8 +175,9 @@ impl Site {
         angle(self.nearest_normal(direction), direction)
     }
 
-    /// The greatest `direction · x` over its places whose normals are in all of `allowed`; `-∞` if there are none.
-    pub fn support(&self, direction: DVec3, allowed: &[Cap]) -> f64 {
+    /// The greatest `direction · x` over its places whose normals are in all of `allowed`; `-∞` if there are none. Unless it is
+    /// to be `tight`, a vertex may be said to have more, which takes no crossings of rims.
+    pub fn support(&self, direction: DVec3, allowed: &[Cap], tight: bool) -> f64 {
         match &self.shape {
             Shape::Piece { corners, normal, .. } => {
                 if !allowed.iter().all(|cap| cap.holds(*normal)) {
@@ -197,9 +198,15 @@ impl Site {
                     + if intervals.is_empty() { f64::NEG_INFINITY } else { self.radius * farthest }
             }
             Shape::Vertex { point, cone, .. } => {
-                let of_cone = sphere::greatest_in_each(direction, cone);
-                let farthest = of_cone.min(sphere::greatest_in_each(direction, allowed));
-                direction.dot(*point) + self.radius * farthest
+                let farthest = if tight {
+                    let caps: Vec<Cap> = cone.iter().chain(allowed).copied().collect();
+                    sphere::greatest(direction, &caps)
+                } else {
+                    let of_cone = sphere::greatest_in_each(direction, cone);
+                    of_cone.min(sphere::greatest_in_each(direction, allowed))
+                };
+                let nothing = farthest == f64::NEG_INFINITY;
+                direction.dot(*point) + if nothing { farthest } else { self.radius * farthest }
             }
         }
     }

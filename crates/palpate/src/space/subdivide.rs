@@ -130,9 +130,10 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
 
 /// Divides each of the choices, within few cells first; those that need more share what is left, in rounds.
 fn divide_all(case: &Case, touching: &Touching, choices: &[Vec<Vec<Feature>>]) -> Vec<Subdivision> {
-    let begin = |choice: &Vec<Vec<Feature>>| Division::new(case, touching, choice);
-    let mut divisions: Vec<Division<'_>> = choices.par_iter().filter_map(begin).collect();
     let most = case.effort.unwrap_or(MOST_CELLS);
+    let share = most / choices.len().max(1) as u64;
+    let begin = |choice: &Vec<Vec<Feature>>| Division::new(case, touching, choice, share);
+    let mut divisions: Vec<Division<'_>> = choices.par_iter().filter_map(begin).collect();
     let mut given = LEAST_CELLS;
     loop {
         divisions.par_iter_mut().for_each(|division| division.advance(given));
@@ -177,8 +178,8 @@ struct Division<'a> {
 }
 
 impl<'a> Division<'a> {
-    /// Nothing, if a contact can't lie on any of its features.
-    fn new(case: &'a Case, touching: &'a Touching, features: &[Vec<Feature>]) -> Option<Self> {
+    /// Nothing, if a contact can't lie on any of its features. A first look at all of it examines so many cells.
+    fn new(case: &'a Case, touching: &'a Touching, features: &[Vec<Feature>], most: u64) -> Option<Self> {
         let pairs = features.iter().enumerate().map(|(contact, features)| (contact, features.as_slice()));
         let conditions = Conditions::new(case, pairs)?;
         let left = Subdivision::default();
@@ -187,7 +188,7 @@ impl<'a> Division<'a> {
         // Those that hang together are one piece, if what they leave does.
         for cells in together(first) {
             let narrow = cells.iter().all(Cell::is_narrow);
-            let budget = MOST_FOR_WITNESS + cells.len() as u32;
+            let budget = (u64::from(MOST_FOR_WITNESS) + cells.len() as u64).min(most.max(4)) as u32;
             if !narrow || !division.settle(&cells, budget) {
                 division.open.extend(cells);
             }
@@ -204,7 +205,7 @@ impl<'a> Division<'a> {
         while self.left.examined < most && !case.stopped() {
             let Some(cell) = self.open.pop() else { break };
             self.left.examined += 1;
-            let Some(cell) = solve::contracted(&self.conditions, cell) else { continue };
+            let Some(cell) = self.shrunk(cell) else { continue };
             let settled = if cell.motion(reach) <= small {
                 self.settle_small(&cell)
             } else {
@@ -213,6 +214,15 @@ impl<'a> Division<'a> {
             if !settled {
                 self.open.extend(cell.split(reach, false));
             }
+        }
+    }
+
+    /// What is left of a cell.
+    fn shrunk(&self, mut cell: Cell) -> Option<Cell> {
+        if cell.is_narrow() {
+            solve::contracted(&self.conditions, cell)
+        } else {
+            cell.restrict(&self.conditions).then_some(cell)
         }
     }
 
