@@ -162,7 +162,7 @@ fn faces_with_normals() {
 #[test]
 fn tips_on_edges_and_vertices() {
     let mut random = Random(fastrand::Rng::with_seed(12));
-    for number in 0..10 {
+    for number in 0..20 {
         let outline = outline(&mut random);
         let model = prism("part", &outline, 20.0 + 60.0 * random.unit());
         let pose = random.pose();

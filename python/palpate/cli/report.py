@@ -62,7 +62,7 @@ def print_recognition(
     if any(hypothesis.marginal for hypothesis in found.hypotheses):
         console.print("* marginal: holds only within the tolerance of the search.")
     if not all(hypothesis.proved for hypothesis in found.hypotheses):
-        console.print("? not proved: the search ended before it found a pose that explains every contact, or that none does.")
+        console.print("? not proved: the search ended before it knew whether a pose explains every contact.")
     for number, hypothesis in enumerate(found.hypotheses[: MOST_ROWS if num_listed else 0], start=1):
         label = labels[hypothesis.model_number]
         console.print(f"interpretations of {number}, {escape(label)}:")

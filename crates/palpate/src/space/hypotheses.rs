@@ -223,7 +223,9 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
     let set = |pieces: Vec<Piece>| PoseSet::new(Shared::clone(case), pieces, true);
     let without_guesses = |mut pieces: Vec<Piece>| {
         // A pose that a search had at its limit is no witness beside others.
-        pieces.iter_mut().for_each(|piece| piece.witness = piece.witness.filter(|one| !one.undecided));
+        for piece in &mut pieces {
+            piece.witness = piece.witness.filter(|one| !one.undecided);
+        }
         set(pieces)
     };
     let mut sets: Vec<PoseSet> = proved.into_iter().map(without_guesses).collect();

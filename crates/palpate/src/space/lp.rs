@@ -176,8 +176,8 @@ impl<const N: usize> Program<N> {
             // Along the edge of the corner that leaves the member.
             let way: [f64; N] = std::array::from_fn(|j| -self.inverse[j][least]);
             let Some((entering, step)) = self.first_met(&way) else { break };
-            for j in 0..N {
-                self.point[j] += step * way[j];
+            for (x, along) in self.point.iter_mut().zip(way) {
+                *x += step * along;
             }
             let shares = self.shares(&self.member(entering).0);
             self.exchange(least, entering, &shares, &mut duals);
@@ -188,9 +188,9 @@ impl<const N: usize> Program<N> {
     /// A normal as a sum of the members' normals.
     fn shares(&self, normal: &[f64; N]) -> [f64; N] {
         let mut shares = [0.0; N];
-        for j in 0..N {
-            for k in 0..N {
-                shares[k] += normal[j] * self.inverse[j][k];
+        for (amount, row) in normal.iter().zip(&self.inverse) {
+            for (share, of_member) in shares.iter_mut().zip(row) {
+                *share += amount * of_member;
             }
         }
         shares
@@ -260,10 +260,9 @@ impl<const N: usize> Program<N> {
             let left = row.bound - dot(&row.normal, &self.point);
             offer(dot(&row.normal, way), left, 1.0 + row.bound.abs(), Member::Row(k));
         }
-        for j in 0..N {
-            let half = self.half[j];
-            offer(way[j], half - self.point[j], 1.0 + half, Member::High(j));
-            offer(-way[j], half + self.point[j], 1.0 + half, Member::Low(j));
+        for (j, ((rate, half), x)) in way.iter().zip(&self.half).zip(&self.point).enumerate() {
+            offer(*rate, half - x, 1.0 + half, Member::High(j));
+            offer(-rate, half + x, 1.0 + half, Member::Low(j));
         }
         let first = met.iter().filter(|(step, ..)| *step <= farthest).max_by(|a, b| a.1.total_cmp(&b.1));
         first.map(|(step, _, one)| (*one, *step))
@@ -330,7 +329,9 @@ mod tests {
                 // Rows that repeat, and that meet in a point: corners of many members.
                 let again = rows[0];
                 rows.extend([again, again]);
-                rows.iter_mut().for_each(|row| row.bound = row.bound.max(0.0).floor());
+                for row in &mut rows {
+                    row.bound = row.bound.max(0.0).floor();
+                }
             }
             let value =
                 |objective: &[f64; 3], x: [f64; 3]| objective.iter().zip(x).map(|(c, x)| c * x).sum::<f64>();
