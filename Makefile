@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -62,6 +62,9 @@ FIGURE = mkdir -p target/figures && cargo run --quiet --release --example $(1) >
 speed: .venv/.built ## measure times and memory; writes docs/speed.md and its pictures anew (some minutes)
 	$(call FIGURE,speed,docs/speed.md)
 	$(call FIGURE,explosion,docs/speed.md)
+
+speed-space: parts ## the same for solids: one part, libraries, growth; in docs/speed.md
+	$(BIN)/python -m palpate.experiments.solid_speed --parts $(PARTS) --page docs/speed.md
 
 accuracy: .venv/.built ## measure bounds against dense sampling; writes docs/accuracy.md anew
 	$(call FIGURE,tightness,docs/accuracy.md)
