@@ -50,6 +50,8 @@ def whole(least: int = 0, most: int | None = None) -> Callable[[str | int], int]
 length = number(0.0, math.inf, "a length, zero or more, in the models' unit")
 direction_error_deg = number(0.0, 90.0, "an angle in degrees, from 0 to 90")
 slack_deg = number(0.0, 89.0, "an angle in degrees, from 0 to 89")
+LONGEST_S = 1e9
+seconds = number(1e-3, LONGEST_S, f"a time in seconds, from 0.001 to {LONGEST_S:g}")
 rotation_deg = number(0.0, 180.0, "an angle in degrees, from 0 to 180")
 
 
@@ -194,6 +196,15 @@ MaxHypotheses = Annotated[
         parser=whole(1, MOST_HYPOTHESES),
         metavar="N",
         help="Return at most so many hypotheses, and say if there are more.",
+        show_default=False,
+    ),
+]
+TimeLimit = Annotated[
+    float | None,
+    typer.Option(
+        parser=seconds,
+        metavar="SECONDS",
+        help="Then what was found so far is the answer, and it says that it is not complete.",
         show_default=False,
     ),
 ]

@@ -11,14 +11,12 @@ import typer
 
 from palpate import Contact, Sensor
 from palpate.cli import options
-from palpate.cli.options import numbers_of
+from palpate.cli.options import numbers_of, seconds
 
 PLANNERS = ("auto", "complete", "ellis", "grimson", "schneiter")
 METHODS = ("greedy", "ahead", "optimal")
-LONGEST_S = 1e9
 
 incidence_deg = options.number(1e-6, 89.999999, "an angle in degrees, above 0 and below 90")
-seconds = options.number(1e-3, LONGEST_S, f"a time in seconds, from 0.001 to {LONGEST_S:g}")
 
 
 def one_of(names: tuple[str, ...]) -> Any:

@@ -38,6 +38,7 @@ def recognize(
     on_table: options.OnTable = None,
     features: options.Features = None,
     max_hypotheses: options.MaxHypotheses = None,
+    time_limit: options.TimeLimit = None,
     list_interpretations: options.ListInterpretations = 0,
     unit: options.Unit = "mm",
     layers: options.Layers = None,
@@ -74,12 +75,13 @@ def recognize(
     )
     bounds = {"translation": prior_translation, "rotation_deg": prior_rotation_deg}
     prior = prior_of(prior_pose, **bounds, on_table=on_table, dimension=parts.dimension) or evidence.prior
-    limit = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
+    limits = {"max_hypotheses": max_hypotheses, "time_limit": time_limit}
+    given = {name: value for name, value in limits.items() if value is not None}
     kinds = None if features is None else tuple(features.split(","))
     try:
         found = patiently(
             lambda: recognize_parts(
-                parts.models, evidence.contacts, features=kinds, misses=evidence.misses, prior=prior, **limit
+                parts.models, evidence.contacts, features=kinds, misses=evidence.misses, prior=prior, **given
             ),
             saying="recognizing",
         )

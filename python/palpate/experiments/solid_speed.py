@@ -154,7 +154,7 @@ def faces() -> str:
         solid = regular(sides)
         model = model_of(solid, f"{sides}")
         problems = [touched(random, solid) for _ in range(PER_PRISM)]
-        times = [least_seconds(lambda c=one: palpate.recognize([model], c)) for one in problems]
+        times = [least_seconds(lambda m=model, c=one: palpate.recognize([m], c)) for one in problems]
         medians.append(float(np.median(times)))
         rows.append([f"{sides}", pages.duration(medians[-1]), pages.duration(max(times))])
     table = pages.table(["sides of a prism", "median", "largest"], rows)
