@@ -110,8 +110,8 @@ def one_part(solids: Sequence[Solid]) -> str:
     faces = int(np.median([solid.num_faces for solid in few]))
     return (
         f"{NUM_PROBLEMS} problems on {len(few)} public parts of 20 to {MOST_FACES} faces, median {faces}; "
-        f"{NUM_CONTACTS} contacts; {np.median(hypotheses):g} hypotheses in the median; incomplete: {incomplete}.\n\n"
-        + pages.table(["one part", "median", "90 %", "largest"], rows)
+        f"{NUM_CONTACTS} contacts; {np.median(hypotheses):g} hypotheses in the median; "
+        f"incomplete: {incomplete}.\n\n" + pages.table(["one part", "median", "90 %", "largest"], rows)
     )
 
 
