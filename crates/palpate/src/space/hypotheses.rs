@@ -16,6 +16,7 @@ use super::solve;
 use super::subdivide::{self, MOST_CELLS};
 use super::tables::{FeatureTables, Kinds};
 use crate::contact::{Evidence, GRAZING};
+use crate::dimension::Poses;
 use crate::feature::Feature;
 use crate::groups::Groups;
 use crate::recognize::{Explanations, Halt, Settings};
@@ -58,9 +59,9 @@ pub(crate) fn explain(
         let division = subdivide::subdivide(&case, tables);
         (division.pieces, division.examined)
     };
-    let decided = !pieces.iter().any(|piece| piece.witness.is_some_and(|witness| witness.undecided));
     let hypotheses = pose_sets(&case, pieces);
-    let complete = decided && !case.stopped();
+    // What is undecided beside a pose that is known is no more than a loose enclosure of that hypothesis (theory, T20).
+    let complete = hypotheses.iter().all(Poses::proved) && !case.stopped();
     Explanations { hypotheses, counters, num_boxes, complete }
 }
 

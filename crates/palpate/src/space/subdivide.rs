@@ -16,7 +16,7 @@ use super::hypotheses::{canonical, sensed};
 use super::pose;
 use super::pose_set::Piece;
 use super::site::Site;
-use super::solve;
+use super::solve::{self, Witness};
 use super::tables::FeatureTables;
 use crate::feature::Feature;
 use crate::groups::Groups;
@@ -261,6 +261,11 @@ impl<'a> Division<'a> {
 
     fn piece(&mut self, features: Vec<Vec<Feature>>, cells: &[Cell], budget: u32) -> Piece {
         let mut piece = Piece::new(self.case, features, None, cells.to_vec());
+        if self.case.stopped() {
+            let pose = cells[0].middle();
+            piece.witness = Some(Witness { pose, marginal: true, undecided: true });
+            return piece;
+        }
         let mut left = budget;
         piece.witness = solve::witness_within(&piece.conditions(self.case), &piece.bounds, &mut left);
         self.left.examined += u64::from(budget - left);
@@ -276,7 +281,7 @@ fn narrowed(conditions: &Conditions<'_>, first: Vec<Cell>) -> Vec<Cell> {
     let mut narrow = Vec::new();
     let mut wide: VecDeque<Cell> = first.into_iter().filter_map(possible).collect();
     while let Some(cell) = wide.pop_front() {
-        if cell.is_narrow() || narrow.len() + wide.len() >= MOST_NARROWED {
+        if conditions.case.stopped() || cell.is_narrow() || narrow.len() + wide.len() >= MOST_NARROWED {
             narrow.push(cell);
         } else {
             wide.extend(cell.split(reach, true).into_iter().filter_map(possible));
