@@ -3,16 +3,16 @@
 use std::ops::ControlFlow;
 use std::sync::Arc as Shared;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::case::{Case, Datum};
+use super::case::{Case, Datum, PivotPose};
 use super::cell::{Cell, Conditions};
 use super::model::{Model, Symmetry};
 use super::pose::Pose;
 use super::pose_set::{Piece, PoseSet};
 use super::sensed::Sensed;
-use super::solve;
+use super::solve::{self, Witness};
 use super::subdivide::{self, MOST_CELLS};
 use super::tables::{FeatureTables, Kinds};
 use crate::contact::{Evidence, GRAZING};
@@ -162,10 +162,13 @@ pub(super) fn canonical(case: &Case, assignment: &[Feature]) -> bool {
 
 /// Decides each assignment (MATH 2.1.2): a piece with a witness, if its pose set is not empty.
 fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
+    let unseen = PivotPose { rotation: DMat3::IDENTITY, y: DVec3::ZERO };
     let decide = |piece: &mut Piece, most: u64| {
-        if !case.stopped() {
-            piece.witness = solve::witness(&piece.conditions(case), most as u32);
-        }
+        piece.witness = if case.stopped() {
+            piece.witness.or(Some(Witness { pose: unseen, marginal: true, undecided: true }))
+        } else {
+            solve::witness(&piece.conditions(case), most as u32)
+        };
     };
     let begin = |assignment: Vec<Feature>| {
         let features = assignment.into_iter().map(|feature| vec![feature]).collect();
@@ -194,17 +197,21 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
     let boxes: Vec<Vec<Cell>> = pieces.par_iter().map(|piece| solve::boxes(case, piece)).collect();
     let mut groups = Groups::new(pieces.len());
     let extents: Vec<Extent> = boxes.iter().map(|cells| Extent::of(case, cells, Pose::IDENTITY)).collect();
+    let is_decided = |piece: &Piece| piece.witness.is_some_and(|witness| !witness.undecided);
+    // In a search that was stopped what is undecided stays apart.
+    let joins = |piece: &Piece| is_decided(piece) || !case.stopped();
     // Where a pose of one explains the other: that costs little.
     for exact in [false, true] {
         for (k, one) in pieces.iter().enumerate() {
-            if case.stopped() {
-                break;
+            if (exact && case.stopped()) || !joins(one) {
+                continue;
             }
             for symmetry in &case.model.symmetries {
                 let mut image = None;
                 let extent = Extent::of(case, &boxes[k], symmetry.motion);
                 for (j, other) in pieces[..k].iter().enumerate() {
-                    if !extent.meets(&extents[j])
+                    if !joins(other)
+                        || !extent.meets(&extents[j])
                         || groups.root(j) == groups.root(k)
                         || !near(case, &boxes[k], &boxes[j], symmetry)
                     {
@@ -218,7 +225,6 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
             }
         }
     }
-    let is_decided = |piece: &Piece| piece.witness.is_some_and(|witness| !witness.undecided);
     let groups = groups.collect(pieces.into_iter()).into_iter();
     let (proved, rest): (Vec<_>, Vec<_>) = groups.partition(|pieces| pieces.iter().any(is_decided));
     let set = |pieces: Vec<Piece>| PoseSet::new(Shared::clone(case), pieces, true);
