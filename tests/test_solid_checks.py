@@ -63,6 +63,7 @@ class Hypothesis:
     poses: Poses
     world_from_model: np.ndarray
     marginal: bool = False
+    proved: bool = True
 
 
 @dataclass

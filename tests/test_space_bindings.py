@@ -366,3 +366,26 @@ def test_the_thesis_has_a_pose_in_space():
 def test_a_single_contact_has_no_thesis_pose():
     hypotheses = palpate.recognize([bracket()], touches()[:1]).hypotheses
     assert all(one.poses.thesis_pose is None for one in hypotheses)
+
+
+def test_a_limit_of_time_or_effort_loses_nothing():
+    part = cube()
+    faces = [((10, 12, 30), (0, 0, 1)), ((9, 0, 17), (0, -1, 0)), ((0, 20, 21), (-1, 0, 0))]
+    contacts = [
+        palpate.Contact.from_tip(
+            np.add(point, np.multiply(3, normal)), 3, position_error=2, normal=normal, normal_error=0.2
+        )
+        for point, normal in faces
+    ]
+    for limit in ({"time_limit": 1e-4}, {"effort": 1}, {}):
+        found = palpate.recognize([part], contacts, **limit)
+        assert any(one.poses.contains(np.eye(4)) for one in found.hypotheses)
+        assert all(one.proved for one in found.hypotheses) or not found.complete
+        for one in found.hypotheses:
+            assert one.interpretation_count >= one.proved
+            assert not one.proved or one.poses.contains(one.world_from_model)
+            for interpretation in list(one.interpretations)[:3]:
+                assert interpretation.world_from_model.shape == (4, 4)
+    for bad in ({"time_limit": 0.0}, {"time_limit": math.nan}, {"effort": 0}, {"effort": 1.5}):
+        with pytest.raises(ValueError, match=next(iter(bad))):
+            palpate.recognize([part], contacts, **bad)

@@ -532,9 +532,11 @@ def recognize(
         prior: What is known of the pose beforehand.
         tolerance: A pose is valid if it is within this share of the part's size; 1e-9 to 0.01.
         max_hypotheses: More than this are not returned, and `Recognition.complete` says so.
-        time_limit: Seconds, after which the answer is what was found by then, and `Recognition.complete` is False.
-        effort: Cells of poses that are examined for one model at most, 1 or more, where contacts allow so many assignments
-            that poses are divided; then `Recognition.complete` is False. None: 2,000,000 in the plane, 20,000 in space.
+        time_limit: Seconds, after which what was not looked at is one last hypothesis of a model, not `proved`, and
+            `Recognition.complete` is False.
+        effort: Cells of poses to examine for one model, about, 1 or more, where contacts allow so many assignments that poses
+            are divided. What is undecided then is a last hypothesis, not `proved`. None: 2,000,000 in the plane, 20,000 in
+            space.
 
     Returns:
         The answer. That no model explains the contacts is an answer too: `hypotheses` is empty, and `conflict` says why.

@@ -29,7 +29,7 @@ pub struct Settings {
     pub tolerance: f64,
     /// More hypotheses than this are counted, not returned.
     pub max_hypotheses: usize,
-    /// Cells of poses examined for one model at most; `None`: what the plane and space have each.
+    /// Cells of poses to examine for one model, about; `None`: what the plane and space have each.
     pub effort: Option<u64>,
 }
 
@@ -85,7 +85,8 @@ pub struct Recognition<V: Dimension = DVec2> {
     pub conflict: Option<Vec<usize>>,
     /// One for each model.
     pub reports: Vec<ModelReport>,
-    /// Every hypothesis is returned. If not, there are more than were asked for, or the search met its limit.
+    /// Every hypothesis is returned, and proved. If not, there are more than were asked for, or a search met its limit before it
+    /// knew.
     pub complete: bool,
 }
 

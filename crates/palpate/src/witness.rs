@@ -9,3 +9,10 @@ pub(crate) struct Witness<P> {
     /// The search met its limit: it may not be one. What it stands for is kept, so that nothing true is lost.
     pub undecided: bool,
 }
+
+impl<P> Witness<P> {
+    /// What a search had when it met its limit.
+    pub fn guess(pose: P) -> Self {
+        Self { pose, marginal: true, undecided: true }
+    }
+}

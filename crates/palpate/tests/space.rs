@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use glam::{DVec3, dvec3};
+use palpate::recognize::recognize_until;
 use palpate::space::{Model, Pose};
-use palpate::{Contact, Evidence, Normal, Settings, recognize};
+use palpate::{Contact, Evidence, Normal, Recognition, Settings, recognize};
 
 struct Random(fastrand::Rng);
 
@@ -110,6 +111,15 @@ fn touch_face(random: &mut Random, model: &Model, pose: Pose, bounds: Bounds) ->
 /// Recognizes, and checks that the truth is there and that what is said of each hypothesis holds.
 fn check(number: usize, models: &[Arc<Model>], evidence: &Evidence<DVec3>, pose: Pose) -> (usize, bool) {
     let found = recognize(models, evidence, &Settings::default()).expect("good input");
+    check_found(number, models, &found, pose)
+}
+
+fn check_found(
+    number: usize,
+    models: &[Arc<Model>],
+    found: &Recognition<DVec3>,
+    pose: Pose,
+) -> (usize, bool) {
     let model = &models[0];
     let kept = found.hypotheses.iter().any(|one| one.model_number == 0 && one.poses.contains(pose));
     assert!(
@@ -177,6 +187,39 @@ fn tips_on_edges_and_vertices() {
         }
         check(number, &[model], &Evidence { contacts, ..Evidence::default() }, pose);
     }
+}
+
+/// Whatever effort is spent, and wherever a search is stopped, the truth stays in a hypothesis, and what is proved is valid
+/// (theory, T20).
+#[test]
+fn a_search_that_ends_loses_nothing() {
+    let mut random = Random(fastrand::Rng::with_seed(19));
+    let mut num_incomplete = 0;
+    for number in 0..9 {
+        let outline = outline(&mut random);
+        let model = prism("part", &outline, 20.0 + 60.0 * random.unit());
+        let pose = random.pose();
+        let bounds = Bounds {
+            radius: 1.0 + 4.0 * random.unit(),
+            position: 0.5 + random.unit(),
+            turn: Some((2.0 + 6.0 * random.unit()).to_radians()),
+        };
+        let mut contacts = vec![touch_face(&mut random, &model, pose, bounds)];
+        while contacts.len() < 3 + number % 3 {
+            contacts.extend(touch_with_tip(&mut random, &model, pose, bounds));
+        }
+        let evidence = Evidence { contacts, ..Evidence::default() };
+        let models = [model];
+        for effort in [1, 300] {
+            let settings = Settings { effort: Some(effort), ..Settings::default() };
+            let found = recognize(&models, &evidence, &settings).expect("good input");
+            num_incomplete += usize::from(!check_found(number, &models, &found, pose).1);
+        }
+        let stopped = Arc::new(true.into());
+        let found = recognize_until(&models, &evidence, &Settings::default(), &stopped).expect("good input");
+        assert!(!check_found(number, &models, &found, pose).1);
+    }
+    assert!(num_incomplete > 3, "{num_incomplete}");
 }
 
 #[test]

@@ -47,7 +47,7 @@ pub(crate) struct Datum {
 }
 
 /// A model, the evidence, and the tolerances.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Case {
     pub model: Shared<Model>,
     pub data: Vec<Datum>,
@@ -99,6 +99,11 @@ impl Case {
             stop: Halt::clone(stop),
             effort: settings.effort,
         }
+    }
+
+    /// The same case, whose searches go on.
+    pub fn unstopped(&self) -> Self {
+        Self { stop: Halt::default(), ..self.clone() }
     }
 
     /// Whether searches are to be given up.

@@ -165,9 +165,9 @@ fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
     let unseen = PivotPose { rotation: DMat3::IDENTITY, y: DVec3::ZERO };
     let decide = |piece: &mut Piece, most: u64| {
         piece.witness = if case.stopped() {
-            piece.witness.or(Some(Witness { pose: unseen, marginal: true, undecided: true }))
+            piece.witness.or(Some(Witness::guess(unseen)))
         } else {
-            solve::witness(&piece.conditions(case), most as u32)
+            solve::witness(&piece.conditions(case), u32::try_from(most).unwrap_or(u32::MAX))
         };
     };
     let begin = |assignment: Vec<Feature>| {
@@ -182,7 +182,7 @@ fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
         assignments.into_par_iter().filter_map(begin).collect()
     };
     // Those that need more share it.
-    let is_undecided = |piece: &Piece| piece.witness.is_some_and(|witness| witness.undecided);
+    let is_undecided = |piece: &Piece| !piece.is_decided();
     let num_undecided = pieces.iter().filter(|piece| is_undecided(piece)).count() as u64;
     let most = case.effort.unwrap_or(MOST_CELLS) / num_undecided.max(1);
     if most > MOST_AT_FIRST {
@@ -194,12 +194,12 @@ fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
 
 /// Pieces of each hypothesis, in the order of their first piece.
 fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
-    let boxes: Vec<Vec<Cell>> = pieces.par_iter().map(|piece| solve::boxes(case, piece)).collect();
-    let mut groups = Groups::new(pieces.len());
-    let extents: Vec<Extent> = boxes.iter().map(|cells| Extent::of(case, cells, Pose::IDENTITY)).collect();
-    let is_decided = |piece: &Piece| piece.witness.is_some_and(|witness| !witness.undecided);
     // In a search that was stopped what is undecided stays apart.
-    let joins = |piece: &Piece| is_decided(piece) || !case.stopped();
+    let joins = |piece: &Piece| piece.is_decided() || !case.stopped();
+    let around = |piece: &Piece| if joins(piece) { solve::boxes(case, piece) } else { Vec::new() };
+    let boxes: Vec<Vec<Cell>> = pieces.par_iter().map(around).collect();
+    let mut groups = Groups::new(pieces.len());
+    let extents: Vec<Spread> = boxes.iter().map(|cells| Spread::of(case, cells, Pose::IDENTITY)).collect();
     // Where a pose of one explains the other: that costs little.
     for exact in [false, true] {
         for (k, one) in pieces.iter().enumerate() {
@@ -208,7 +208,7 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
             }
             for symmetry in &case.model.symmetries {
                 let mut image = None;
-                let extent = Extent::of(case, &boxes[k], symmetry.motion);
+                let extent = Spread::of(case, &boxes[k], symmetry.motion);
                 for (j, other) in pieces[..k].iter().enumerate() {
                     if !joins(other)
                         || !extent.meets(&extents[j])
@@ -226,8 +226,10 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
         }
     }
     let groups = groups.collect(pieces.into_iter()).into_iter();
-    let (proved, rest): (Vec<_>, Vec<_>) = groups.partition(|pieces| pieces.iter().any(is_decided));
-    let set = |pieces: Vec<Piece>| PoseSet::new(Shared::clone(case), pieces, true);
+    let (proved, rest): (Vec<_>, Vec<_>) = groups.partition(|pieces| pieces.iter().any(Piece::is_decided));
+    // What is asked of a set later is not stopped by what stopped this search.
+    let case = Shared::new(case.unstopped());
+    let set = |pieces: Vec<Piece>| PoseSet::new(Shared::clone(&case), pieces, true);
     let without_guesses = |mut pieces: Vec<Piece>| {
         // A pose that a search had at its limit is no witness beside others.
         for piece in &mut pieces {
@@ -237,18 +239,18 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
     };
     let mut sets: Vec<PoseSet> = proved.into_iter().map(without_guesses).collect();
     // All of which it is not known whether there is a pose is one set, the last: so much is not decided.
-    let undecided = rest.concat();
+    let undecided: Vec<Piece> = rest.into_iter().flatten().collect();
     sets.extend(undecided.iter().any(|piece| piece.witness.is_some()).then(|| set(undecided)));
     sets
 }
 
 /// Model points at the pivot, in a box: most pairs of pieces are apart by these alone.
-struct Extent {
+struct Spread {
     low: DVec3,
     high: DVec3,
 }
 
-impl Extent {
+impl Spread {
     /// Of cells after a motion of the model, all they may share within the tolerance included.
     fn of(case: &Case, cells: &[Cell], motion: Pose) -> Self {
         let nothing = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };

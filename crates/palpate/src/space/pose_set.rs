@@ -69,6 +69,16 @@ impl Piece {
         Self { sites: sites.collect(), features, witness, bounds }
     }
 
+    /// Whether each contact lies on one feature.
+    fn is_single(&self) -> bool {
+        self.features.iter().all(|features| features.len() == 1)
+    }
+
+    /// Whether a pose of it is known.
+    pub(super) fn is_decided(&self) -> bool {
+        self.witness.is_some_and(|witness| !witness.undecided)
+    }
+
     /// The piece where a symmetry of the model moves it: the same placed parts.
     pub(super) fn moved(&self, case: &Case, symmetry: &Symmetry) -> Self {
         let image = |features: &Vec<Feature>| {
@@ -198,15 +208,14 @@ impl PoseSet {
     pub fn sample(&self, count: usize, seed: u64) -> Vec<Pose> {
         let mut rng = fastrand::Rng::with_seed(seed);
         let (length, angle) = (self.case.length_tolerance, self.case.angle_tolerance);
-        let started: Vec<(usize, PivotPose)> = self
+        let mut walks: Vec<(usize, PivotPose)> = self
             .pieces
             .iter()
             .enumerate()
             .filter_map(|(number, piece)| Some((number, piece.witness?)))
             .map(|(number, witness)| (number, witness.pose))
             .collect();
-        let mut walks = started.clone();
-        let mut extents: Vec<Option<(f64, f64)>> = vec![None; started.len()];
+        let mut extents: Vec<Option<(f64, f64)>> = vec![None; walks.len()];
         (0..count)
             .map(|k| {
                 let at = if walks.len() <= count { k % walks.len() } else { rng.usize(..walks.len()) };
@@ -251,11 +260,12 @@ impl PoseSet {
     fn cells(&self) -> &[Vec<Cell>] {
         self.cells.get_or_init(|| {
             if self.is_sprawling() {
-                let around = |cell: &Cell| {
-                    let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
-                    cell.widened(length, angle, cell.left.clone())
+                let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
+                let of_piece = |piece: &Piece| {
+                    let left = solve::all_sites(&piece.conditions(&self.case));
+                    piece.bounds.iter().map(|cell| cell.widened(length, angle, left.clone())).collect()
                 };
-                return self.pieces.iter().map(|piece| piece.bounds.iter().map(around).collect()).collect();
+                return self.pieces.iter().map(of_piece).collect();
             }
             let base = self.witnesses().next().map(|witness| witness.pose.rotation);
             let enclose = |piece: &Piece| {
@@ -339,10 +349,12 @@ impl PoseSet {
         let single = |piece: &&Piece| {
             piece.features.iter().zip(assignment).all(|(features, feature)| features.as_slice() == [*feature])
         };
-        let piece = self.pieces.iter().find(single).cloned().unwrap_or_else(|| {
+        let known = self.pieces.iter().filter(|piece| piece.is_decided()).find(single).cloned();
+        let piece = known.unwrap_or_else(|| {
             let features = assignment.iter().map(|feature| vec![*feature]).collect();
             let mut piece = Piece::new(&self.case, features, None, Vec::new());
-            piece.witness = self.decide(&piece);
+            let guess = || self.witnesses().next().map(|witness| Witness::guess(witness.pose));
+            piece.witness = self.decide(&piece).or_else(guess);
             piece
         });
         Self::new(Shared::clone(&self.case), vec![piece], false)
@@ -385,7 +397,7 @@ impl PoseSet {
         });
         all.map(move |(number, choice)| {
             let piece = &set.pieces[number];
-            let single = piece.features.iter().all(|features| features.len() == 1);
+            let known = piece.is_single() && piece.is_decided();
             let first = if set.case.prior.is_some() {
                 choice.clone()
             } else {
@@ -394,11 +406,16 @@ impl PoseSet {
             if listed.contains(&first) {
                 return Attempt::Invalid;
             }
-            if !single {
+            if !known {
                 let features = choice.iter().map(|feature| vec![*feature]).collect();
                 let one = Piece::new(&set.case, features, None, Vec::new());
                 let conditions = one.conditions(&set.case);
-                match solve::witness_within(&conditions, &piece.bounds, &mut { MOST_FOR_ATTEMPT }) {
+                let found = if piece.bounds.is_empty() {
+                    solve::witness(&conditions, MOST_FOR_ATTEMPT)
+                } else {
+                    solve::witness_within(&conditions, &piece.bounds, &mut { MOST_FOR_ATTEMPT })
+                };
+                match found {
                     None => return Attempt::Invalid,
                     Some(witness) if witness.undecided => return Attempt::Undecided,
                     Some(_) => {}
@@ -424,17 +441,16 @@ impl Poses<DVec3> for PoseSet {
     }
 
     fn assignment_count(&self) -> Count {
-        if self.pieces.iter().all(|piece| piece.features.iter().all(|features| features.len() == 1)) {
-            return Count { at_least: self.assigned().count() as u64, exact: true };
-        }
+        let single = self.pieces.iter().all(Piece::is_single);
+        let most = if single { usize::MAX } else { MOST_ATTEMPTS };
         let (mut at_least, mut num_attempts, mut decided) = (0, 0, true);
-        for attempt in self.attempts().take(MOST_ATTEMPTS) {
+        for attempt in self.attempts().take(most) {
             num_attempts += 1;
             at_least += u64::from(matches!(attempt, Attempt::Valid(_)));
             decided &= !matches!(attempt, Attempt::Undecided);
         }
-        // A set has a pose, and that an assignment.
-        Count { at_least: at_least.max(1), exact: decided && num_attempts < MOST_ATTEMPTS }
+        // A set that is proved has a pose, and that an assignment.
+        Count { at_least: at_least.max(u64::from(self.proved())), exact: decided && num_attempts < most }
     }
 
     fn assignments(&self) -> Box<dyn Iterator<Item = Vec<Feature>> + Send> {
@@ -449,7 +465,7 @@ impl Poses<DVec3> for PoseSet {
 /// Pieces that meet through a symmetry, moved to where they meet: each to the image whose rotation is nearest to the
 /// first one's. With a prior they stay, as it may exclude their images.
 fn aligned(case: &Case, pieces: Vec<Piece>) -> Vec<Piece> {
-    let first = pieces.first().and_then(|piece| piece.witness).map(|witness| witness.pose.rotation);
+    let first = pieces.iter().find_map(|piece| piece.witness).map(|witness| witness.pose.rotation);
     let Some(first) = first.filter(|_| case.prior.is_none() && pieces.len() > 1) else { return pieces };
     let align = |piece: Piece| {
         let Some(witness) = piece.witness else { return piece };

@@ -88,7 +88,7 @@ fn search(
         let Some(Nearest { value: mut cell, .. }) = open.pop() else { break };
         let (loose, turn_only) = looseness(conditions, &cell, reach);
         let fine = loose <= 0.25 * case.length_tolerance;
-        let mut left = Witness { pose: cell.middle(), marginal: true, undecided: true };
+        let mut left = Witness::guess(cell.middle());
         let mut rows = None;
         if cell.is_narrow() {
             match probe(&mut tried, &mut cell, if fine { 50 * NUM_CUTS } else { NUM_CUTS }) {

@@ -229,7 +229,9 @@ impl<'a> Division<'a> {
     /// Cells that are still open are pieces where they touch, whatever their features: so what is true is in one.
     fn finish(&mut self, budget: u32) {
         let open = std::mem::take(&mut self.open);
-        for cells in together(open) {
+        // There is no time to see which of them touch.
+        let groups = if self.case.stopped() { vec![open] } else { together(open) };
+        for cells in groups.into_iter().filter(|cells| !cells.is_empty()) {
             let piece = self.piece(of_cells(&self.conditions, &cells), &cells, budget);
             self.left.pieces.extend(piece.witness.is_some().then_some(piece));
         }
@@ -263,7 +265,7 @@ impl<'a> Division<'a> {
         let mut piece = Piece::new(self.case, features, None, cells.to_vec());
         if self.case.stopped() {
             let pose = cells[0].middle();
-            piece.witness = Some(Witness { pose, marginal: true, undecided: true });
+            piece.witness = Some(Witness::guess(pose));
             return piece;
         }
         let mut left = budget;
