@@ -6,6 +6,7 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def recognize(
     bounds = {"translation": prior_translation, "rotation_deg": prior_rotation_deg}
     prior = prior_of(prior_pose, **bounds, on_table=on_table, dimension=parts.dimension) or evidence.prior
     limits = {"max_hypotheses": max_hypotheses, "time_limit": time_limit}
-    given = {name: value for name, value in limits.items() if value is not None}
+    given: dict[str, Any] = {name: value for name, value in limits.items() if value is not None}
     kinds = None if features is None else tuple(features.split(","))
     try:
         found = patiently(

@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,12 +35,14 @@ PER_PRISM = 9
 REPEATS = 3
 
 
-def least_seconds(work: Callable[[], Any]) -> float:
-    """Of a few runs: what disturbs a run only makes it longer."""
+def least_seconds(models: Sequence[Any], contacts: Sequence[Any]) -> float:
+    """Of recognition, the least of a few runs: what disturbs a run only makes it longer."""
+    import palpate
+
     times = []
     for _ in range(REPEATS):
         started = time.perf_counter()
-        work()
+        palpate.recognize(models, contacts)
         times.append(time.perf_counter() - started)
     return min(times)
 
@@ -89,7 +91,7 @@ def one_part(solids: Sequence[Solid]) -> str:
         model = model_of(solid, f"{number}")
         times["making"].append(time.perf_counter() - started)
         contacts = touched(random, solid)
-        times["recognize"].append(least_seconds(lambda m=model, c=contacts: palpate.recognize([m], c)))
+        times["recognize"].append(least_seconds([model], contacts))
         found = palpate.recognize([model], contacts)
         hypotheses.append(len(found.hypotheses))
         incomplete += not found.complete
@@ -122,8 +124,6 @@ def growth(sizes: Sequence[int], medians: Sequence[float]) -> float:
 
 def libraries(solids: Sequence[Solid]) -> str:
     """Libraries of more and more parts, of which one is true."""
-    import palpate
-
     random = np.random.default_rng(2)
     made = [random_solid(random) for _ in range(max(0, max(LIBRARIES) - len(solids)))]
     everything = [*solids, *made]
@@ -136,7 +136,7 @@ def libraries(solids: Sequence[Solid]) -> str:
         for _ in range(PER_LIBRARY):
             true = int(random.integers(count))
             contacts = touched(random, kept[true])
-            times.append(least_seconds(lambda c=contacts, n=count: palpate.recognize(models[:n], c)))
+            times.append(least_seconds(models[:count], contacts))
         medians.append(float(np.median(times)))
         faces = sum(solid.num_faces for solid in kept[:count])
         rows.append([f"{count:,}", f"{faces:,}", pages.duration(medians[-1]), pages.duration(max(times))])
@@ -146,15 +146,13 @@ def libraries(solids: Sequence[Solid]) -> str:
 
 def faces() -> str:
     """One part with more and more faces."""
-    import palpate
-
     random = np.random.default_rng(3)
     rows, medians = [], []
     for sides in SIDES:
         solid = regular(sides)
         model = model_of(solid, f"{sides}")
         problems = [touched(random, solid) for _ in range(PER_PRISM)]
-        times = [least_seconds(lambda m=model, c=one: palpate.recognize([m], c)) for one in problems]
+        times = [least_seconds([model], one) for one in problems]
         medians.append(float(np.median(times)))
         rows.append([f"{sides}", pages.duration(medians[-1]), pages.duration(max(times))])
     table = pages.table(["sides of a prism", "median", "largest"], rows)
