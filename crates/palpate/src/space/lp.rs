@@ -39,6 +39,9 @@ const ROUNDING: f64 = 1e-13;
 /// A bound that is above what a point has by no more than this, of its size, is attained.
 const ATTAINED: f64 = 1e-7;
 
+/// A way that nears a row by no more than this share of its length runs along it.
+const FLAT: f64 = 1e-10;
+
 /// Members that a way may meet at once.
 const MOST_MET: usize = 16;
 
@@ -234,7 +237,7 @@ impl<const N: usize> Program<N> {
     /// What is met first on a way from the point, and how far along; of what is met within the tolerance, what the way meets
     /// most squarely, so that no corner hangs on rounding (Harris 1973).
     fn first_met(&self, way: &[f64; N]) -> Option<(Member, f64)> {
-        let flat = 1e-10 * dot(way, way).sqrt();
+        let flat = FLAT * dot(way, way).sqrt();
         let mut met: ArrayVec<(f64, f64, Member), MOST_MET> = ArrayVec::new();
         let mut farthest = f64::INFINITY;
         let mut offer = |rate: f64, left: f64, scale: f64, one: Member| {
