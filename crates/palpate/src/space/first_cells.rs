@@ -27,6 +27,9 @@ const CAPS: [f64; 3] = [0.15, 0.3, 0.6];
 /// Rotations within this angle, radians, cost as much as a single one.
 const FINE_BALL: f64 = 0.2;
 
+/// Balls of rotations that two normals may leave; where they would leave more, turns about one normal are fewer.
+const MOST_BALLS: usize = 4_000;
+
 /// A sensed normal, and caps that hold all normals of the sites that it may be of.
 struct Sensed<'a> {
     /// World frame.
@@ -100,21 +103,26 @@ impl Sensed<'_> {
         if self.whole.angle <= fine {
             return vec![self.whole];
         }
-        let mut caps: Vec<Cap> = Vec::new();
-        let mut of_site = Vec::new();
+        let mut of_sites = Vec::new();
         for site in self.sites {
-            of_site.clear();
-            site.cover(fine, &mut of_site);
-            for cap in &of_site {
-                // Normals of many small facets share caps.
-                let near = |kept: &&mut Cap| angle(kept.axis, cap.axis) + cap.angle <= fine;
-                match caps.iter_mut().find(near) {
-                    Some(kept) => {
-                        let angle = kept.angle.max(angle(kept.axis, cap.axis) + cap.angle);
-                        *kept = Cap::around(kept.axis, angle);
-                    }
-                    None => caps.push(*cap),
+            site.cover(fine, &mut of_sites);
+        }
+        let cover = Cap::cover(fine);
+        let mut caps: Vec<Cap> = Vec::new();
+        for cap in &of_sites {
+            // Normals of many small facets share caps.
+            let near = |kept: &&mut Cap| angle(kept.axis, cap.axis) + cap.angle <= fine;
+            match caps.iter_mut().find(near) {
+                Some(kept) => {
+                    let angle = kept.angle.max(angle(kept.axis, cap.axis) + cap.angle);
+                    *kept = Cap::around(kept.axis, angle);
                 }
+                None => caps.push(*cap),
+            }
+            if caps.len() > cover.len() {
+                // So many that overlap are more than it takes to cover the sphere.
+                let met = |one: &Cap| of_sites.iter().any(|cap| cap.meets(*one));
+                return cover.into_iter().filter(met).collect();
             }
         }
         caps
@@ -139,20 +147,23 @@ fn best_pair<'a, 'b>(sensed: &'b [Sensed<'a>]) -> Option<[&'b Sensed<'a>; 2]> {
 }
 
 /// For each pair of caps that can be of two sensed normals: the rotation that fits both best, and the radius around it
-/// that holds all that both allow. Nothing, if a ball is too large for a chart.
+/// that holds all that both allow. Nothing, if a ball is too large for a chart, or if they are too many.
 fn balls(a: &Sensed<'_>, b: &Sensed<'_>) -> Option<Vec<(DMat3, f64)>> {
     let apart = angle(a.reading, b.reading);
     let mut best: Option<(f64, Vec<(DMat3, f64)>)> = None;
     for fine in CAPS {
-        let caps = b.caps(fine);
-        let mut balls = Vec::new();
-        for first in a.caps(fine) {
-            for second in &caps {
+        let [firsts, seconds] = [a, b].map(|one| one.caps(fine));
+        let both = firsts.iter().flat_map(|first| seconds.iter().map(move |second| [first, second]));
+        let balls: Vec<(DMat3, f64)> = both
+            .filter_map(|[first, second]| {
                 let errors = [a.error + first.angle, b.error + second.angle];
-                if (angle(first.axis, second.axis) - apart).abs() <= errors[0] + errors[1] {
-                    balls.push(ball([a.reading, b.reading], [first.axis, second.axis], errors));
-                }
-            }
+                let agree = (angle(first.axis, second.axis) - apart).abs() <= errors[0] + errors[1];
+                agree.then(|| ball([a.reading, b.reading], [first.axis, second.axis], errors))
+            })
+            .take(MOST_BALLS + 1)
+            .collect();
+        if balls.len() > MOST_BALLS {
+            continue;
         }
         let widest = balls.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
         let cost: f64 = balls.iter().map(|(_, radius)| radius.max(FINE_BALL).powi(3)).sum();

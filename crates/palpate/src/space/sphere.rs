@@ -35,6 +35,33 @@ impl Cap {
         Self::around(axis, FRAC_PI_2)
     }
 
+    /// Caps no wider than `fine`, below a quarter turn, that cover the sphere: one around each square of a grid on a cube.
+    pub fn cover(fine: f64) -> Vec<Self> {
+        // A point of a square is no farther from its middle than half its diagonal, and the sphere is no nearer than 1.
+        let count = (0.5 * 2.0 * std::f64::consts::SQRT_2 / fine).ceil().max(1.0) as u32;
+        let at = |k: u32| 2.0 * f64::from(k) / f64::from(count) - 1.0;
+        let square = |(k, j): (u32, u32)| {
+            let corners = [(k, j), (k + 1, j), (k, j + 1), (k + 1, j + 1)];
+            let corners = corners.map(|(k, j)| DVec3::new(at(k), at(j), 1.0).normalize());
+            let axis = corners.iter().sum::<DVec3>().normalize();
+            let farthest = corners.iter().map(|corner| corner.distance(axis)).fold(0.0, f64::max);
+            Self::around(axis, 2.0 * (0.5 * farthest).asin() + ROUNDING)
+        };
+        let side = (0..count).flat_map(|k| (0..count).map(move |j| (k, j))).map(square);
+        let turned = |cap: Self| {
+            let DVec3 { x, y, z } = cap.axis;
+            [DVec3::new(x, y, z), DVec3::new(y, z, x), DVec3::new(z, x, y)]
+                .into_iter()
+                .flat_map(move |axis| [axis, -axis].map(|axis| Self::around(axis, cap.angle)))
+        };
+        side.flat_map(turned).collect()
+    }
+
+    /// Whether two have a direction in common, or are apart by rounding only.
+    pub fn meets(self, other: Self) -> bool {
+        self.axis.distance(other.axis) <= 2.0 * (0.5 * (self.angle + other.angle).min(PI)).sin() + ROUNDING
+    }
+
     /// Whether a unit direction is in it.
     pub fn holds(self, direction: DVec3) -> bool {
         self.nearly_holds(direction, ROUNDING)
@@ -161,6 +188,24 @@ pub(crate) fn greatest_in_each(direction: DVec3, caps: &[Cap]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    /// Every direction is in a cap of the cover, none of which is wider than asked for.
+    #[test]
+    fn a_cover_leaves_no_direction_out() {
+        for fine in [0.15, 0.3, 0.6, 1.2] {
+            let caps = Cap::cover(fine);
+            assert!(caps.iter().all(|cap| cap.angle <= fine && (cap.axis.length() - 1.0).abs() < 1e-12));
+            let num = 100_000;
+            let apart = std::f64::consts::PI * (3.0 - 5_f64.sqrt());
+            for k in 0..num {
+                let height = 1.0 - (f64::from(k) + 0.5) * 2.0 / f64::from(num);
+                let (sine, cosine) = (apart * f64::from(k)).sin_cos();
+                let around = (1.0 - height * height).sqrt();
+                let direction = DVec3::new(around * cosine, around * sine, height);
+                assert!(caps.iter().any(|cap| cap.holds(direction)), "{direction} at {fine}");
+            }
+        }
+    }
+
     use super::{COAXIAL, Cap, greatest, greatest_in_each, nearest};
     use crate::space::site::angle;
     use glam::DVec3;

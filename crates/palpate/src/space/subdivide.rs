@@ -33,8 +33,14 @@ const LEAST_CELLS: u64 = 50;
 const MOST_FOR_WITNESS: u32 = 16;
 const MOST_IN_SMALL: u32 = 1_000;
 
+/// Choices of features of two contacts; where there are more, all features are divided as one.
+const MOST_CHOICES: usize = 20_000;
+
 /// Cells of one choice that are narrowed before linear conditions are asked.
 const MOST_NARROWED: usize = 64;
+
+/// Cells that are looked at for which of them touch.
+const MOST_TOGETHER: usize = 2_000;
 
 /// What the division left: every pose is in a piece.
 #[derive(Debug, Default)]
@@ -95,13 +101,14 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
             let agree = |later: usize, earlier: usize, second: usize, first: usize| {
                 contacts.pairs[later][earlier].meets(&tables.pair(first, second))
             };
-            let choices: Vec<(usize, usize)> = contacts.candidates[0]
+            let pairs: Vec<(usize, usize)> = contacts.candidates[0]
                 .iter()
                 .flat_map(|&first| contacts.candidates[1].iter().map(move |&second| (first, second)))
                 .filter(|&(first, second)| {
                     let chosen = [first, second].map(|number| tables.feature(number));
                     agree(1, 0, second, first) && canonical(case, &chosen)
                 })
+                .take(MOST_CHOICES + 1)
                 .collect();
             let chosen = |(first, second): (usize, usize)| {
                 let mut features = vec![Vec::new(); order.len()];
@@ -115,8 +122,12 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
                 }
                 features.iter().all(|features| !features.is_empty()).then_some(features)
             };
-            let choices: Vec<Vec<Vec<Feature>>> = choices.into_par_iter().filter_map(chosen).collect();
-            divide_all(case, &touching, &choices)
+            if pairs.len() > MOST_CHOICES {
+                divide_all(case, &touching, &[features])
+            } else {
+                let choices: Vec<Vec<Vec<Feature>>> = pairs.into_par_iter().filter_map(chosen).collect();
+                divide_all(case, &touching, &choices)
+            }
         }
         None => divide_all(case, &touching, &[features]),
     };
@@ -185,6 +196,10 @@ impl<'a> Division<'a> {
         let left = Subdivision::default();
         let mut division = Self { case, touching, conditions, open: Vec::new(), left };
         let first = narrowed(&division.conditions, first_cells(&division.conditions));
+        if first.len() > MOST_TOGETHER {
+            division.open = first;
+            return Some(division);
+        }
         // Those that hang together are one piece, if what they leave does.
         for cells in together(first) {
             let narrow = cells.iter().all(Cell::is_narrow);
@@ -229,8 +244,9 @@ impl<'a> Division<'a> {
     /// Cells that are still open are pieces where they touch, whatever their features: so what is true is in one.
     fn finish(&mut self, budget: u32) {
         let open = std::mem::take(&mut self.open);
-        // There is no time to see which of them touch.
-        let groups = if self.case.stopped() { vec![open] } else { together(open) };
+        // There may be no time to see which of them touch.
+        let all = self.case.stopped() || open.len() > MOST_TOGETHER;
+        let groups = if all { vec![open] } else { together(open) };
         for cells in groups.into_iter().filter(|cells| !cells.is_empty()) {
             let piece = self.piece(of_cells(&self.conditions, &cells), &cells, budget);
             self.left.pieces.extend(piece.witness.is_some().then_some(piece));
