@@ -1,7 +1,7 @@
 //! What a tip meets first.
 
 use numpy::PyArray1;
-use palpate::plane::{FirstContact, Line};
+use palpate::{FirstContact, Line};
 use pyo3::prelude::*;
 
 use crate::convert::vector_array;

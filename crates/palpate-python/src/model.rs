@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
-use palpate::plane::{self, Line};
 use palpate::space::{self, Roundness};
+use palpate::{Line, plane};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use glam::dvec2;
-use palpate::plane::Line;
+use palpate::Line;
 use palpate::recognize::Halt;
 use palpate::{PlanSettings, Planner, Stop, TreeMethod, TreeSettings};
 use pyo3::exceptions::PyTypeError;

@@ -45,6 +45,7 @@ fn fault_name(fault: Fault) -> &'static str {
         Fault::Untouchable => "untouchable",
         Fault::Kind => "kind",
         Fault::Assigned => "assigned",
+        Fault::Stem => "stem",
     }
 }
 

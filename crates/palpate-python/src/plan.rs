@@ -1,6 +1,6 @@
 //! The next path.
 
-use palpate::plane::Line;
+use palpate::Line;
 use palpate::{Hypothesis, Move, Plan, Verification, Why};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -71,14 +71,14 @@ impl PySensor {
     }
 
     fn __repr__(&self) -> String {
-        let Sensor { position_error, normal_error, max_incidence, tip_radius, path_error } = self.0;
+        let Sensor { position_error, normal_error, max_incidence, tip_radius, path_error, stem: _ } = self.0;
         let normal = normal_error.map_or_else(|| "None".to_owned(), |error| format!("{error:?}"));
         let tip = format!("tip_radius={tip_radius:?}, path_error={path_error:?}");
         format!("Sensor({position_error:?}, {normal}, {max_incidence:?}, {tip})")
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, State)> {
-        let Sensor { position_error, normal_error, max_incidence, tip_radius, path_error } = self.0;
+        let Sensor { position_error, normal_error, max_incidence, tip_radius, path_error, stem: _ } = self.0;
         Ok((restore::<Self>(py)?, (position_error, normal_error, max_incidence, tip_radius, path_error)))
     }
 
@@ -92,6 +92,6 @@ impl PySensor {
         tip_radius: f64,
         path_error: f64,
     ) -> Self {
-        Self(Sensor { position_error, normal_error, max_incidence, tip_radius, path_error })
+        Self(Sensor { position_error, normal_error, max_incidence, tip_radius, path_error, stem: None })
     }
 }

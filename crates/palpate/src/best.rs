@@ -3,9 +3,10 @@
 use std::cmp::Ordering;
 
 use crate::judge::{Outcome, Verdict};
+use crate::line::Line;
 use crate::path::{Path, judged, rounded_margin, rounded_score};
 use crate::plan::Stop;
-use crate::plane::{Line, Scene};
+use crate::plane::Scene;
 
 /// What makes a path the best.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3};
 use crate::contact::Evidence;
 use crate::feature::Feature;
 use crate::hypothesis::Count;
+use crate::judge::Normals;
 use crate::recognize::{Explanations, Halt, Settings};
 use crate::{plane, space};
 
@@ -35,6 +36,8 @@ pub trait Dimension:
     type Model: Debug + Clone + Send + Sync;
     /// All poses of an answer.
     type PoseSet: Poses<Self>;
+    /// What a path may find of a surface's normal.
+    type Normals: Normals<Self>;
 
     /// Whether every coordinate is finite.
     fn is_finite(self) -> bool;
@@ -84,6 +87,7 @@ impl Dimension for DVec2 {
     type Prior = crate::contact::Prior;
     type Model = plane::Model;
     type PoseSet = plane::PoseSet;
+    type Normals = plane::Arc;
 
     fn is_finite(self) -> bool {
         Self::is_finite(self)
@@ -134,6 +138,7 @@ impl Dimension for DVec3 {
     type Prior = space::Prior;
     type Model = space::Model;
     type PoseSet = space::PoseSet;
+    type Normals = space::Cap;
 
     fn is_finite(self) -> bool {
         Self::is_finite(self)

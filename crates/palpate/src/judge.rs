@@ -2,22 +2,34 @@
 //!
 //! The only judge: whatever a planner proposes is compared by it.
 
+use std::fmt::Debug;
+
 use glam::DVec2;
 
 use crate::Feature;
-use crate::plane::{Arc, Line};
+use crate::dimension::Dimension;
+use crate::line::Line;
 use crate::sensor::Sensor;
 use crate::tree::Range;
 
+/// A set of unit normals, as a contact may have them: an arc of the circle, a cap of the sphere.
+pub trait Normals<V>: Debug + Copy + PartialEq + Send + Sync {
+    /// The smallest angle between a unit vector and a member; zero inside. Radians.
+    fn angle_to(self, normal: V) -> f64;
+
+    /// The smallest angle between members of the two; zero where they meet. Radians.
+    fn apart(self, other: Self) -> f64;
+}
+
 /// A first contact that a path may make with a hypothesis, somewhere in its pose set.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch {
+pub struct Touch<V: Dimension = DVec2> {
     /// What is touched.
     pub feature: Feature,
     /// Of the tip's centre, along the path from its start.
     pub depth: Range,
     /// Outward normals at the contact, world frame.
-    pub normals: Arc,
+    pub normals: V::Normals,
 }
 
 /// Why a path can't be used.
@@ -33,76 +45,88 @@ pub enum Fault {
     Kind,
     /// It may be touched first on a face that a contact is assigned to, which was to be avoided.
     Assigned,
+    /// The stem of the probe may touch it before the tip does.
+    Stem,
+}
+
+/// Which first contacts are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Rules {
+    pub faces: bool,
+    /// In space.
+    pub edges: bool,
+    pub vertices: bool,
+    /// Faces that a contact is assigned to are not to be touched.
+    pub avoid_assigned: bool,
 }
 
 /// What a hypothesis can answer to a path over its whole pose set.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Outcome {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome<V: Dimension = DVec2> {
     /// In order of features.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<Touch<V>>,
     /// The path may pass it by.
     pub may_miss: bool,
     /// It makes the path unusable.
     pub fault: Option<Fault>,
 }
 
-impl Outcome {
+impl<V: Dimension> Default for Outcome<V> {
+    fn default() -> Self {
+        Self { touches: Vec::new(), may_miss: false, fault: None }
+    }
+}
+
+impl<V: Dimension> Outcome<V> {
     /// Whether no reading can come from both.
     #[must_use]
     pub fn separated(&self, other: &Self, sensor: &Sensor) -> bool {
-        let apart = |a: &Touch, b: &Touch| {
+        let apart = |a: &Touch<V>, b: &Touch<V>| {
             let gap = (a.depth.low - b.depth.high).max(b.depth.low - a.depth.high);
             gap > 2.0 * sensor.position_error
-                || sensor.normal_error.is_some_and(|error| arcs_apart(a.normals, b.normals) > 2.0 * error)
+                || sensor.normal_error.is_some_and(|error| a.normals.apart(b.normals) > 2.0 * error)
         };
         !(self.may_miss && other.may_miss)
             && self.touches.iter().all(|a| other.touches.iter().all(|b| apart(a, b)))
     }
 
-    /// Whether a reading, or a miss, may come from it: `depth` and `aside` are the sensed centre along the path and
-    /// across it, `normal` the angle of the sensed normal.
+    /// Whether a reading, or a miss, may come from it.
     #[must_use]
-    pub fn may_answer(&self, reading: Option<Reading>, sensor: &Sensor) -> bool {
+    pub fn may_answer(&self, reading: Option<Reading<V>>, sensor: &Sensor) -> bool {
         let Some(reading) = reading else { return self.may_miss };
-        let agrees = |touch: &Touch| {
+        let agrees = |touch: &Touch<V>| {
             let beyond = (touch.depth.low - reading.depth).max(reading.depth - touch.depth.high);
             let turned = match (reading.normal, sensor.normal_error) {
-                (Some(angle), Some(error)) => touch.normals.distance(angle) <= error,
+                (Some(normal), Some(error)) => touch.normals.angle_to(normal) <= error,
                 _ => true,
             };
             beyond <= sensor.position_error && turned
         };
-        reading.aside.abs() <= sensor.path_error + sensor.position_error && self.touches.iter().any(agrees)
+        reading.aside <= sensor.path_error + sensor.position_error && self.touches.iter().any(agrees)
     }
 }
 
 /// A contact as a path sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reading {
+pub struct Reading<V = DVec2> {
     /// Of the tip's centre along the path, from its start.
     pub depth: f64,
-    /// Of the tip's centre across the path, to the left.
+    /// How far from the path the tip's centre is.
     pub aside: f64,
-    /// Angle of the outward normal, world frame.
-    pub normal: Option<f64>,
+    /// Unit outward normal, world frame.
+    pub normal: Option<V>,
 }
 
-impl Reading {
+impl<V: Dimension> Reading<V> {
     /// A sensed centre and normal, in the world frame, as a line sees them.
     ///
     /// A centre that is off the line by no more than rounding is on it, whatever the errors.
     #[must_use]
-    pub fn new(line: &Line, center: DVec2, normal: Option<DVec2>) -> Self {
-        let (depth, aside) = line.coordinates(center);
+    pub fn new(line: &Line<V>, center: V, normal: Option<V>) -> Self {
+        let (depth, aside) = line.depth_and_aside(center);
         let rounding = 1e-12 * (center.length() + line.start.length());
-        let aside = if aside.abs() <= rounding { 0.0 } else { aside };
-        Self { depth, aside, normal: normal.map(DVec2::to_angle) }
+        Self { depth, aside: (aside - rounding).max(0.0), normal }
     }
-}
-
-/// The smallest angle between members of two arcs; zero where they meet.
-fn arcs_apart(a: Arc, b: Arc) -> f64 {
-    (a.distance(b.middle()) - b.half_width()).max(0.0)
 }
 
 /// What a path tells hypotheses apart.
@@ -117,7 +141,7 @@ pub struct Verdict {
 impl Verdict {
     /// Of the outcomes of all hypotheses.
     #[must_use]
-    pub fn new(outcomes: &[Outcome], sensor: &Sensor) -> Self {
+    pub fn new<V: Dimension>(outcomes: &[Outcome<V>], sensor: &Sensor) -> Self {
         let fault = outcomes.iter().enumerate().find_map(|(k, outcome)| Some((k, outcome.fault?)));
         let mut left: Vec<Vec<usize>> = (0..outcomes.len()).map(|k| vec![k]).collect();
         for (k, outcome) in outcomes.iter().enumerate() {

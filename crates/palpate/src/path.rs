@@ -5,8 +5,9 @@ use std::cmp::Ordering;
 use glam::DVec2;
 
 use crate::judge::{Fault, Outcome, Reading, Verdict};
+use crate::line::Line;
 use crate::plan::Stop;
-use crate::plane::{Line, Scene};
+use crate::plane::Scene;
 use crate::sensor::Sensor;
 
 /// A straight guarded move and what it would tell.

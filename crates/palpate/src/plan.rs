@@ -7,9 +7,10 @@ use glam::DVec2;
 use crate::Error;
 use crate::best::Best;
 use crate::hypothesis::Hypothesis;
+use crate::line::Line;
 use crate::path::{Path, judged};
+use crate::plane::Scene;
 use crate::plane::planners;
-use crate::plane::{Line, Scene};
 use crate::recognize::{check_reach, check_tip};
 
 pub use crate::plane::planners::EllisCounters;

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use crate::Error;
 use crate::hypothesis::Hypothesis;
-use crate::judge::Reading;
+use crate::judge::{Reading, Rules};
+use crate::line::Line;
 use crate::plan::{PlanSettings, check, checked_line};
-use crate::plane::{Allowance, Line, Question, Rules, Shadow};
+use crate::plane::{Allowance, Question, Shadow};
 use crate::sensor::Sensor;
 
 /// A guarded move that was made, and what was met first.
@@ -48,7 +49,7 @@ pub fn refuting_moves(hypotheses: &[Hypothesis], moves: &[Move]) -> Result<Vec<O
 
 fn answers(shadow: &Shadow, one: &Move) -> bool {
     let Move { line, length, sensor, met } = one;
-    let rules = Rules { faces: true, vertices: true, avoid_assigned: false };
+    let rules = Rules { faces: true, edges: true, vertices: true, avoid_assigned: false };
     let allowance = Allowance::new(sensor, shadow.model(), 0.0, 0.0);
     let outcome = shadow.outcome(&Question::new(line, sensor, allowance, rules, *length));
     let reading = met.map(|(center, normal)| Reading::new(line, center, normal));

@@ -2,7 +2,43 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use glam::DVec3;
+
 use crate::Error;
+
+/// What carries the tip of a probe in space: a rod from the centre of the tip, always in the same direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stem {
+    /// Unit vector from the tip along the rod, world frame.
+    pub direction: DVec3,
+    /// Its radius.
+    pub radius: f64,
+    /// How far it goes.
+    pub length: f64,
+}
+
+impl Stem {
+    /// A rod along `direction`, of any length but zero.
+    ///
+    /// # Errors
+    /// A direction of no length; a radius that is negative, a length that is not above zero, or either not finite.
+    pub fn new(direction: DVec3, radius: f64, length: f64) -> Result<Self, Error> {
+        self::length("stem", radius)?;
+        if !(length.is_finite() && length > 0.0) {
+            return Err(Error::new(
+                "stem",
+                "its length must be above zero",
+                length,
+                "give how far it reaches",
+            ));
+        }
+        let Some(direction) = direction.try_normalize() else {
+            let remedy = "give the way from the tip along the rod, such as (0, 0, 1)";
+            return Err(Error::new("stem", "its direction must not be zero", direction, remedy));
+        };
+        Ok(Self { direction, radius, length })
+    }
+}
 
 /// Bounds of the next reading. Lengths in the models' unit, angles in radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +53,8 @@ pub struct Sensor {
     pub tip_radius: f64,
     /// How far the tip may leave its line.
     pub path_error: f64,
+    /// What carries the tip, in space; `None`: nothing that may touch. The plane has none.
+    pub stem: Option<Stem>,
 }
 
 impl Sensor {
@@ -41,7 +79,7 @@ impl Sensor {
                 remedy,
             ));
         }
-        Ok(Self { position_error, normal_error, max_incidence, tip_radius: 0.0, path_error: 0.0 })
+        Ok(Self { position_error, normal_error, max_incidence, tip_radius: 0.0, path_error: 0.0, stem: None })
     }
 
     /// The same sensor with a tip of this radius, which may leave its line by `path_error`.

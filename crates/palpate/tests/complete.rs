@@ -15,8 +15,9 @@ use std::sync::Arc;
 
 use fastrand::Rng;
 use glam::{DVec2, dvec2};
+use palpate::Line;
 use palpate::plan::Prepared;
-use palpate::plane::{Line, Model, Pose};
+use palpate::plane::{Model, Pose};
 use palpate::{
     Contact, Evidence, Hypothesis, Normal, PlanSettings, Planner, Sensor, Settings, plan, recognize,
 };

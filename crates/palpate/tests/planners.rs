@@ -9,7 +9,8 @@ use std::sync::Arc;
 use common::{Noise, contacts};
 use fastrand::Rng;
 use glam::{DVec2, dvec2};
-use palpate::plane::{Line, Model, Pose};
+use palpate::Line;
+use palpate::plane::{Model, Pose};
 use palpate::{
     Contact, EllisCounters, Evidence, Fault, Feature, Hypothesis, Normal, Plan, PlanSettings, Planner,
     Sensor, Settings, Stop, judge, plan, recognize,

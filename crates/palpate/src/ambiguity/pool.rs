@@ -7,9 +7,10 @@ use super::grow::{Choice, planned};
 use super::relation::{Relation, Set, bit, members};
 use crate::best::Best;
 use crate::judge::Outcome;
+use crate::line::Line;
 use crate::path::judged;
 use crate::plan::PlanSettings;
-use crate::plane::{Line, Scene};
+use crate::plane::Scene;
 
 /// Lines that tell the same; of each relation so many are kept, those that the planner offered first.
 const KEPT_OF_A_KIND: usize = 4;

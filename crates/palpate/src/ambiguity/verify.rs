@@ -7,9 +7,10 @@ use glam::DVec2;
 
 use crate::Error;
 use crate::hypothesis::Hypothesis;
+use crate::line::Line;
 use crate::path::{Path, judged};
 use crate::plan::{PlanSettings, check, checked_line};
-use crate::plane::{Line, Pose, Scene};
+use crate::plane::{Pose, Scene};
 use crate::sensor::Sensor;
 use crate::why::Why;
 

@@ -2,6 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use glam::DVec2;
+
+use crate::judge::Normals;
+
 /// A closed arc: the angles `start + t` for `0 <= t <= width`. Radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc {
@@ -16,6 +20,16 @@ pub struct Arc {
 pub fn wrap(angle: f64) -> f64 {
     let turned = (angle + PI).rem_euclid(TAU);
     if turned >= TAU { -PI } else { turned - PI }
+}
+
+impl Normals<DVec2> for Arc {
+    fn angle_to(self, normal: DVec2) -> f64 {
+        self.distance(normal.to_angle())
+    }
+
+    fn apart(self, other: Self) -> f64 {
+        (self.distance(other.middle()) - other.half_width()).max(0.0)
+    }
 }
 
 impl Arc {

@@ -30,11 +30,10 @@ pub use arc::Arc;
 pub use model::{Face, Model, Symmetry, Vertex};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
-pub use rays::{FirstContact, Line};
 pub use thesis::ThesisPose;
 
 pub(crate) use case::Case;
 pub(crate) use hypotheses::explain;
-pub(crate) use outcome::{Allowance, Question, Rules};
+pub(crate) use outcome::{Allowance, Question};
 pub(crate) use scene::Scene;
 pub(crate) use shadow::Shadow;

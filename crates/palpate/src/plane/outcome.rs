@@ -7,10 +7,10 @@ use glam::DVec2;
 
 use super::arc::{Arc, wrap};
 use super::model::Model;
-use super::rays::Line;
 use super::shadow::{PlacedCell, Shadow, Spot};
 use crate::feature::Feature;
-use crate::judge::{Fault, Outcome, Touch};
+use crate::judge::{Fault, Outcome, Rules, Touch};
+use crate::line::Line;
 use crate::sensor::Sensor;
 use crate::tree::Range;
 
@@ -34,15 +34,6 @@ impl Allowance {
             angle: model.normal_slack + angle_margin,
         }
     }
-}
-
-/// Which first contacts are wanted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Rules {
-    pub faces: bool,
-    pub vertices: bool,
-    /// Faces that a contact is assigned to are not to be touched.
-    pub avoid_assigned: bool,
 }
 
 /// What is asked of a hypothesis: what this line may meet first, with this sensor.

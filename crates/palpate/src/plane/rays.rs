@@ -6,50 +6,7 @@ use glam::DVec2;
 use super::model::{Face, Model};
 use super::pose::Pose;
 use crate::Feature;
-
-/// A directed line: the tip's centre is at `start + t·direction`, `t >= 0`. World frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
-    /// Where `t` is zero.
-    pub start: DVec2,
-    /// Unit direction of travel.
-    pub direction: DVec2,
-}
-
-impl Line {
-    /// The place at `t`.
-    #[must_use]
-    pub fn at(&self, t: f64) -> DVec2 {
-        self.start + t * self.direction
-    }
-
-    /// To the left of the direction of travel.
-    #[must_use]
-    pub fn left(&self) -> DVec2 {
-        self.direction.perp()
-    }
-
-    /// How far along and how far to the left of the line a point is.
-    #[must_use]
-    pub fn coordinates(&self, point: DVec2) -> (f64, f64) {
-        let offset = point - self.start;
-        (self.direction.dot(offset), self.left().dot(offset))
-    }
-}
-
-/// What a tip on a line meets first, the part being at one pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FirstContact {
-    /// Of the tip's centre, along the line from its start.
-    pub depth: f64,
-    /// Unit outward normal of what is touched, world frame.
-    pub normal: DVec2,
-    /// What is touched.
-    pub feature: Feature,
-    /// It is touched where a reading may come from it: neither an untouchable face nor the back of a loose one, nor a
-    /// corner of these.
-    pub touchable: bool,
-}
+use crate::line::{FirstContact, Line};
 
 impl Model {
     /// What a tip of this radius meets first on its line. `None`: nothing. The direction of the line is a unit vector, and

@@ -9,14 +9,14 @@ use super::arc::wrap;
 use super::distance::segment_to_segment;
 use super::free::{inside, solid};
 use super::model::Face;
-use super::outcome::{Allowance, Question, Rules};
+use super::outcome::{Allowance, Question};
 use super::pose::Pose;
 use super::pose_set::PoseSet;
-use super::rays::{FirstContact, Line};
 use super::shadow::Shadow;
 use super::thesis::Placement;
 use crate::hypothesis::Hypothesis;
-use crate::judge::{Outcome, Reading, Verdict};
+use crate::judge::{Outcome, Reading, Rules, Verdict};
+use crate::line::{FirstContact, Line};
 use crate::plan::PlanSettings;
 use crate::sensor::Sensor;
 
@@ -79,6 +79,7 @@ impl Scene {
         let tips = sensor.tip_radius > 0.0;
         let rules = Rules {
             faces: settings.faces,
+            edges: false,
             vertices: settings.vertices.unwrap_or(tips),
             avoid_assigned: settings.avoid_assigned,
         };
@@ -327,11 +328,8 @@ impl Scene {
         for &member in members {
             for pose in &self.samples[member] {
                 let found = self.contact(member, *pose, line).filter(|found| found.depth <= length);
-                let reading = found.map(|found| Reading {
-                    depth: found.depth,
-                    aside: 0.0,
-                    normal: Some(found.normal.to_angle()),
-                });
+                let reading =
+                    found.map(|found| Reading { depth: found.depth, aside: 0.0, normal: Some(found.normal) });
                 left += outcomes.iter().filter(|outcome| outcome.may_answer(reading, &self.sensor)).count();
                 count += 1;
             }

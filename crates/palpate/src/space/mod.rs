@@ -55,6 +55,7 @@ pub use model::{Edge, Face, Model, Roundness, Symmetry, Vertex};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
 pub use prior::{Lying, Prior};
+pub use sphere::Cap;
 pub use thesis::ThesisPose;
 
 pub(crate) use hypotheses::explain;

@@ -6,15 +6,28 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
+use crate::dimension::Dimension;
+use crate::judge::Normals;
+
 /// Directions within an angle of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Cap {
+pub struct Cap {
     /// Unit.
     pub axis: DVec3,
     /// Radians, `[0, π]`.
     pub angle: f64,
     /// The chord of the angle.
     chord: f64,
+}
+
+impl Normals<DVec3> for Cap {
+    fn angle_to(self, normal: DVec3) -> f64 {
+        (Dimension::angle_between(self.axis, normal) - self.angle).max(0.0)
+    }
+
+    fn apart(self, other: Self) -> f64 {
+        (Dimension::angle_between(self.axis, other.axis) - self.angle - other.angle).max(0.0)
+    }
 }
 
 /// A direction counts as inside if it misses by no more, radians.

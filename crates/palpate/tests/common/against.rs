@@ -23,7 +23,7 @@ const MOST_JUDGED: u64 = 100_000;
 pub struct Better {
     pub from: String,
     pub score: f64,
-    pub line: palpate::plane::Line,
+    pub line: palpate::Line,
 }
 
 /// What came out on one problem.

@@ -13,8 +13,8 @@ use rayon::prelude::*;
 
 use super::views::{Frame, Known, Look, Pair, View};
 use crate::best::Best;
+use crate::line::Line;
 use crate::plan::PlanSettings;
-use crate::plane::Line;
 use crate::plane::scene::Scene;
 
 /// Intervals of directions at the start, if all are allowed.

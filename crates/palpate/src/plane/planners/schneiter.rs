@@ -22,8 +22,8 @@ use glam::DVec2;
 use super::blocking::Plane;
 use super::whole;
 use crate::best::Best;
+use crate::line::Line;
 use crate::plan::PlanSettings;
-use crate::plane::rays::Line;
 use crate::plane::scene::Scene;
 
 /// So many start points are tried for each channel.

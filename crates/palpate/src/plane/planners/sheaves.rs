@@ -9,9 +9,9 @@
 
 use glam::{DVec2, dvec2};
 
+use crate::line::Line;
 use crate::plane::arc::wrap;
 use crate::plane::pose::Pose;
-use crate::plane::rays::Line;
 use crate::plane::scene::Scene;
 use crate::tree::Range;
 

@@ -10,6 +10,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec2;
 
 use crate::best::Best;
+use crate::line::Line;
 use crate::plan::Stop;
 use crate::plane::arc::wrap;
 use crate::plane::scene::Scene;
@@ -244,7 +245,7 @@ impl Scene {
     }
 
     /// Pairs that a line leaves, seen from all views: no judgement can be better. `None` if one of them makes it unusable.
-    fn glance(&self, line: &crate::plane::Line, members: &[usize]) -> Option<usize> {
+    fn glance(&self, line: &Line, members: &[usize]) -> Option<usize> {
         let mut seen: Vec<Vec<Option<(f64, f64)>>> = Vec::with_capacity(members.len());
         for &member in members {
             let mut readings = Vec::new();
