@@ -241,7 +241,7 @@ pub(super) fn orient(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
 }
 
 /// No point of a box is closer to a line along a unit direction.
-fn beside_box(from: DVec3, along: DVec3, low: DVec3, high: DVec3) -> f64 {
+pub(super) fn beside_box(from: DVec3, along: DVec3, low: DVec3, high: DVec3) -> f64 {
     let (middle, half) = (0.5 * (low + high) - from, 0.5 * (high - low));
     let across =
         [DVec3::X, DVec3::Y, DVec3::Z].into_iter().filter_map(|axis| along.cross(axis).try_normalize());

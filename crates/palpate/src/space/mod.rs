@@ -20,6 +20,9 @@ mod lp;
 mod mesh;
 mod model;
 mod orient;
+mod outcome;
+#[cfg(test)]
+mod outcome_tests;
 mod outlines;
 mod pieces;
 mod pose;
@@ -33,6 +36,7 @@ mod roundness;
 mod scale;
 mod segments;
 mod sensed;
+mod shadow;
 #[cfg(test)]
 mod shapes;
 mod site;

@@ -7,7 +7,7 @@ use std::sync::{Arc as Shared, OnceLock};
 use glam::{DMat3, DVec3};
 
 use super::case::{Case, PivotPose};
-use super::cell::{Cell, Conditions};
+use super::cell::{Cell, Conditions, Linearized};
 use super::extent::{Along, Extent};
 use super::model::{Model, Symmetry};
 use super::pose::{self, Pose};
@@ -37,6 +37,11 @@ const MOST_DIVIDED: usize = 200;
 
 /// Cells of an enclosure, all pieces together; each piece has one at least.
 const MOST_CELLS: usize = 256;
+
+/// For lines a set is divided into so many cells at most, and a cell only while its linear conditions are loose by more than
+/// this share of the part's size.
+const MOST_PLACED: usize = 16;
+const LOOSE: f64 = 1e-3;
 
 /// Above so many cells that were left undivided, extents are those of a ball.
 const MOST_MEASURED: usize = 1000;
@@ -295,6 +300,52 @@ impl PoseSet {
             extent.diameter(|axis, cell| placed(cell, axis, first.rotation(), farthest));
             extent.into_cells()
         })
+    }
+
+    /// Cells that hold every pose, and the linear conditions of those that have any, for lines: divided where the conditions
+    /// are loose, as long as they are few.
+    pub(super) fn placed(&self) -> Vec<(Cell, Option<Linearized>)> {
+        let conditions: Vec<Conditions<'_>> =
+            self.pieces.iter().map(|piece| piece.conditions(&self.case).relaxed()).collect();
+        let of_piece = |(piece, cells): (usize, &Vec<Cell>)| {
+            cells.iter().map(move |cell| (piece, cell.clone())).collect::<Vec<_>>()
+        };
+        let mut cells: Vec<(usize, Cell)> = self.cells().iter().enumerate().flat_map(of_piece).collect();
+        let loose = |cell: &Cell| cell.looseness() * 0.5 * self.case.model.size;
+        while cells.len() < MOST_PLACED {
+            let widest = (0..cells.len()).max_by(|a, b| loose(&cells[*a].1).total_cmp(&loose(&cells[*b].1)));
+            let Some(widest) = widest.filter(|k| loose(&cells[*k].1) > LOOSE * self.case.model.size) else {
+                break;
+            };
+            let (piece, cell) = cells.swap_remove(widest);
+            cells.extend(solve::halved(&conditions[piece], &cell).map(|half| (piece, half)));
+        }
+        let linearized = |(piece, cell): (usize, Cell)| {
+            let made = cell.is_linear().then(|| cell.linearized(&cell.rows(&conditions[piece], false)));
+            (cell, made)
+        };
+        cells.into_iter().map(linearized).collect()
+    }
+
+    /// The world point that cells are seen from.
+    pub(super) fn pivot(&self) -> DVec3 {
+        self.case.pivot
+    }
+
+    /// A length that covers rounding.
+    pub(super) fn outward(&self) -> f64 {
+        self.case.outward()
+    }
+
+    /// By how much one pose may miss another for which it stands, a length and an angle: without a prior, where a symmetry of
+    /// the model takes one to the other.
+    pub(super) fn asymmetry(&self) -> (f64, f64) {
+        if self.case.prior.is_none() { self.case.model.asymmetry } else { (0.0, 0.0) }
+    }
+
+    /// The features that contacts are assigned to.
+    pub(super) fn assigned_features(&self) -> impl Iterator<Item = Feature> + '_ {
+        self.pieces.iter().flat_map(|piece| piece.features.iter().flatten()).copied()
     }
 
     fn extent_of(&self, cells: &[Vec<Cell>], most_divided: usize) -> Extent<'_> {

@@ -70,6 +70,27 @@ impl Cap {
         side.flat_map(turned).collect()
     }
 
+    /// A cap that holds both, the smallest where neither holds the other and they are not opposite.
+    pub fn around_both(self, other: Self) -> Self {
+        let apart = Dimension::angle_between(self.axis, other.axis);
+        if apart + other.angle <= self.angle {
+            return self;
+        }
+        if apart + self.angle <= other.angle {
+            return other;
+        }
+        let half = 0.5 * (apart + self.angle + other.angle);
+        let across = (other.axis - self.axis * self.axis.dot(other.axis)).try_normalize();
+        match across.filter(|_| half < PI) {
+            // From the first axis towards the second.
+            Some(across) => {
+                let (sine, cosine) = (half - self.angle).sin_cos();
+                Self::around((cosine * self.axis + sine * across).normalize(), half + ROUNDING)
+            }
+            None => Self::around(self.axis, (apart + other.angle).max(self.angle) + ROUNDING),
+        }
+    }
+
     /// Whether two have a direction in common, or are apart by rounding only.
     pub fn meets(self, other: Self) -> bool {
         self.axis.distance(other.axis) <= 2.0 * (0.5 * (self.angle + other.angle).min(PI)).sin() + ROUNDING
