@@ -29,6 +29,9 @@ const ALONG: f64 = 0.05;
 /// Computed depths are wrong by no more than this share of the size of what is seen.
 const ROUNDING: f64 = 1e-9;
 
+/// Shares of what a part covers of a line, at which the line may be deep enough in it.
+const COVERED: [f64; 5] = [0.0, 0.0625, 0.125, 0.25, 0.5];
+
 /// Pieces into which the way of a stem is divided, at most.
 const MOST_PIECES: usize = 400;
 
@@ -68,7 +71,7 @@ impl Shadow {
     /// What the line may meet first, over all poses; everything is wider by a margin, a length and an angle.
     ///
     /// The allowance widens everything before nearer contacts hide farther ones, so that with a larger one the outcome only
-    /// grows (`docs/theory.md`, T12).
+    /// grows (`docs/theory.md`, T12, T21).
     pub fn outcome(
         &self,
         line: &Line<DVec3>,
@@ -217,7 +220,7 @@ impl Shadow {
         let speed = normal.dot(ray.direction);
         let depth = (inner - normal.dot(ray.start)) / speed;
         let middle = ray.at(depth) - radius * normal;
-        let sides = Rim2::new(self, face, normal, middle);
+        let sides = Outline::new(self, face, normal, middle);
         let slowest = steepest.cos();
         let mut place = Place::Across;
         let mut gap = Range { low: 0.0, high: 0.0 };
@@ -367,11 +370,12 @@ impl Shadow {
     }
 
     /// A depth by which the line has surely met the part, though no face of it is sure: there the tip's centre is deep enough
-    /// in the part, or near enough to it, that no pose has it clear.
+    /// in the part, or near enough to it, that no pose has it clear. It is looked for along what the part covers of the line.
     fn surely_met(&self, ray: &Ray<'_>, ask: &Question<'_>) -> Option<f64> {
         let first = self.model.first_hit(ray.start, ray.direction)?.distance;
-        let loose = ray.motion(first) + ask.aside;
-        (0..4).map(|k| first + loose * f64::from(1 << k)).find(|depth| {
+        let beyond = first + ROUNDING.sqrt() * self.model.size;
+        let covered = self.model.first_hit(ray.at(beyond), ray.direction).map_or(0.0, |hit| hit.distance);
+        COVERED.iter().map(|share| first + share * covered).find(|depth| {
             let clear = self.model.signed_distance(ray.at(*depth)) + ray.motion(*depth) + ask.aside;
             clear <= ask.sensor.tip_radius
         })
@@ -414,14 +418,14 @@ impl Shadow {
 }
 
 /// The sides of a face, as seen from a place in its plane.
-struct Rim2 {
+struct Outline {
     /// Away from the face across its nearest side, and along that: unit, in the plane.
     out: DVec3,
     along: DVec3,
     sides: Vec<[DVec2; 2]>,
 }
 
-impl Rim2 {
+impl Outline {
     fn new(shadow: &Shadow, face: &Face, normal: DVec3, place: DVec3) -> Self {
         let distance = |side: &[DVec3; 2]| on_segment(place, side[0], side[1]).distance_squared(place);
         let nearest = sides(shadow, face).min_by(|a, b| distance(a).total_cmp(&distance(b)));
