@@ -197,12 +197,12 @@ fn shown<V: Vector>(contact: &Contact<V>) -> String {
 
 fn state<V: Vector>(contact: &Contact<V>) -> ContactState {
     (
-        contact.center.coordinates(),
+        contact.center.coordinates().to_vec(),
         contact.tip_radius,
         contact.position_error,
-        contact.normal.map(|normal| (normal.direction.coordinates(), normal.error)),
-        contact.approach.map(V::coordinates),
-        contact.start.map(V::coordinates),
+        contact.normal.map(|normal| (normal.direction.coordinates().to_vec(), normal.error)),
+        contact.approach.map(|one| one.coordinates().to_vec()),
+        contact.start.map(|one| one.coordinates().to_vec()),
     )
 }
 

@@ -261,7 +261,7 @@ pub(crate) fn any_pose(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<In<
 
 /// A read-only array of shape `(d,)`.
 pub(crate) fn vector_array<V: Vector>(py: Python<'_>, point: V) -> PyResult<Bound<'_, PyArray1<f64>>> {
-    fixed(PyArray1::from_vec(py, point.coordinates()))
+    fixed(PyArray1::from_slice(py, point.coordinates()))
 }
 
 /// A read-only array of shape `(k, d)`.
@@ -274,7 +274,7 @@ pub(crate) fn vectors_array<'py, V: Vector>(
 
 /// The coordinates of points, one after the other.
 pub(crate) fn flat<V: Vector>(points: &[V]) -> Vec<f64> {
-    points.iter().flat_map(|point| point.coordinates()).collect()
+    points.iter().flat_map(V::coordinates).copied().collect()
 }
 
 /// A read-only array of shape `(d + 1, d + 1)`.

@@ -96,7 +96,6 @@ pub(crate) trait Vector:
 
     /// From as many numbers.
     fn from_coordinates(coordinates: &[f64]) -> Self;
-    fn coordinates(self) -> Vec<f64>;
 }
 
 impl Vector for DVec2 {
@@ -105,10 +104,6 @@ impl Vector for DVec2 {
     fn from_coordinates(coordinates: &[f64]) -> Self {
         Self::from_slice(coordinates)
     }
-
-    fn coordinates(self) -> Vec<f64> {
-        self.to_array().to_vec()
-    }
 }
 
 impl Vector for DVec3 {
@@ -116,10 +111,6 @@ impl Vector for DVec3 {
 
     fn from_coordinates(coordinates: &[f64]) -> Self {
         Self::from_slice(coordinates)
-    }
-
-    fn coordinates(self) -> Vec<f64> {
-        self.to_array().to_vec()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Misses and the prior.
 
 use numpy::{PyArray1, PyArray2};
-use palpate::{Miss, Prior, space};
+use palpate::{Dimension, Miss, Prior, space};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
@@ -9,7 +9,7 @@ use crate::convert::{
     any_pose, any_vector, damaged, number, pose, pose_array, raise, restore, restored, tuple, vector,
     vector_array,
 };
-use crate::dimension::{AnyMiss, AnyPrior, In, Motion, Vector};
+use crate::dimension::{AnyMiss, AnyPrior, In, Motion};
 
 type Any<'py> = Bound<'py, PyAny>;
 
@@ -76,7 +76,7 @@ impl PyMiss {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, (Coordinates, Coordinates, f64, f64))> {
         let state = either!(&self.0, miss => {
-            (miss.start.coordinates(), miss.end.coordinates(), miss.tip_radius, miss.path_error)
+            (miss.start.coordinates().to_vec(), miss.end.coordinates().to_vec(), miss.tip_radius, miss.path_error)
         });
         Ok((restore::<Self>(py)?, state))
     }
@@ -199,7 +199,7 @@ impl PyPrior {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Any<'py>, PriorState)> {
         let rows = either!(&self.0, prior => prior.world_from_model.numbers());
-        let lying = self.lying().map(|one| (one.normal.coordinates(), one.height, one.tilt));
+        let lying = self.lying().map(|one| (one.normal.coordinates().to_vec(), one.height, one.tilt));
         Ok((restore::<Self>(py)?, (rows, self.translation(), self.rotation(), lying)))
     }
 

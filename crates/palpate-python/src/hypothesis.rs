@@ -268,8 +268,9 @@ impl PyPoseSet {
 
 /// A pose for a person to read: to a millionth, or as many digits more as a part of `size` needs.
 fn place<M: Motion>(pose: M, size: f64) -> String {
-    let coordinates = pose.translation().coordinates();
-    let at: Vec<String> = coordinates.iter().map(|length| decimal(*length, decimals(size))).collect();
+    let translation = pose.translation();
+    let at: Vec<String> =
+        translation.coordinates().iter().map(|length| decimal(*length, decimals(size))).collect();
     format!("at ({}), turned {} rad", at.join(", "), decimal(pose.angle(), 6))
 }
 

@@ -112,7 +112,7 @@ impl Options {
                 *directions = rest[1].1.take().unwrap_or(*directions);
             }
             Planner::Schneiter { cells } => *cells = rest[0].1.take().unwrap_or(*cells),
-            Planner::Auto | Planner::Complete | Planner::Ellis => {}
+            _ => {}
         }
         match rest.into_iter().find_map(|(name, value)| Some((name, value?))) {
             Some((name, value)) => {

@@ -45,7 +45,7 @@ fn main() {
         "hundred": hundred(count / 10),
         "growth": FACES.map(|faces| growth(faces, count / 10)),
         "grown": NUM_GROWN,
-        "margin": PlanSettings::default().margin,
+        "margin": <PlanSettings>::default().margin,
     }));
 }
 

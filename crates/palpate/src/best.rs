@@ -2,15 +2,18 @@
 
 use std::cmp::Ordering;
 
+use glam::DVec2;
+
+use crate::dimension::Dimension;
 use crate::judge::{Outcome, Verdict};
 use crate::line::Line;
 use crate::path::{Path, judged, rounded_margin, rounded_score};
 use crate::plan::Stop;
-use crate::plane::Scene;
+use crate::scene::Scene;
 
 /// What makes a path the best.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Aim {
+pub enum Aim {
     /// Its score: pairs that it does not separate.
     #[default]
     Score,
@@ -19,11 +22,14 @@ pub(crate) enum Aim {
     Branches,
 }
 
+/// Is told of lines.
+pub type Listener<'a, V> = &'a mut dyn FnMut(&Line<V>);
+
 /// The best path so far.
-pub(crate) struct Best<'a> {
-    pub scene: &'a Scene,
+pub struct Best<'a, V: Dimension = DVec2> {
+    pub scene: &'a Scene<V>,
     pub members: &'a [usize],
-    pub path: Option<Path>,
+    pub path: Option<Path<V>>,
     pub num_judged: u64,
     pub aim: Aim,
     /// What `path` leaves, as the aim counts it.
@@ -31,11 +37,11 @@ pub(crate) struct Best<'a> {
     /// Lines are judged even if they can't become the best.
     pub thorough: bool,
     /// Is told of every line that is judged, whether it can be used or not.
-    pub listener: Option<&'a mut dyn FnMut(&Line)>,
+    pub listener: Option<Listener<'a, V>>,
 }
 
-impl<'a> Best<'a> {
-    pub fn new(scene: &'a Scene, members: &'a [usize]) -> Self {
+impl<'a, V: Dimension> Best<'a, V> {
+    pub fn new(scene: &'a Scene<V>, members: &'a [usize]) -> Self {
         Self {
             scene,
             members,
@@ -60,7 +66,7 @@ impl<'a> Best<'a> {
     }
 
     /// Judges a line; it becomes the best if it is better. Whether it is.
-    pub fn offer(&mut self, line: &Line) -> bool {
+    pub fn offer(&mut self, line: &Line<V>) -> bool {
         self.num_judged += 1;
         if let Some(listener) = &mut self.listener {
             listener(line);
@@ -82,7 +88,7 @@ impl<'a> Best<'a> {
         if path.fault.is_some() {
             return false;
         }
-        let order = |known: &Path| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));
+        let order = |known: &Path<V>| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));
         let better = self.path.as_ref().is_none_or(|known| order(known) == Ordering::Less);
         if better {
             self.path = Some(path);
@@ -92,7 +98,7 @@ impl<'a> Best<'a> {
     }
 
     /// Whether a line is known to come after the best path, before its own margin is.
-    fn comes_after(&self, line: &Line, outcomes: &[Outcome], verdict: &Verdict) -> bool {
+    fn comes_after(&self, line: &Line<V>, outcomes: &[Outcome<V>], verdict: &Verdict) -> bool {
         let Some(known) = &self.path else { return false };
         let (scene, members) = (self.scene, self.members);
         let expected = || {

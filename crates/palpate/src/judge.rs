@@ -19,6 +19,9 @@ pub trait Normals<V>: Debug + Copy + PartialEq + Send + Sync {
 
     /// The smallest angle between members of the two; zero where they meet. Radians.
     fn apart(self, other: Self) -> f64;
+
+    /// A unit vector, and the angle from it within which all of them are; radians, at most π.
+    fn cap(self) -> (V, f64);
 }
 
 /// A first contact that a path may make with a hypothesis, somewhere in its pose set.
@@ -51,13 +54,29 @@ pub enum Fault {
 
 /// Which first contacts are wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Rules {
+#[expect(clippy::struct_excessive_bools, reason = "each is a rule by itself")]
+pub struct Rules {
+    /// Those on faces.
     pub faces: bool,
-    /// In space.
+    /// Those on edges, in space.
     pub edges: bool,
+    /// Those on vertices.
     pub vertices: bool,
     /// Faces that a contact is assigned to are not to be touched.
     pub avoid_assigned: bool,
+}
+
+impl Rules {
+    /// Which rule a first contact on a feature breaks; `assigned`: whether a contact is assigned to it.
+    pub(crate) fn broken_by(self, feature: Feature, assigned: impl FnOnce() -> bool) -> Option<Fault> {
+        match feature {
+            Feature::Face(_) if self.avoid_assigned && assigned() => Some(Fault::Assigned),
+            Feature::Face(_) if !self.faces => Some(Fault::Kind),
+            Feature::Edge(_) if !self.edges => Some(Fault::Kind),
+            Feature::Vertex(_) if !self.vertices => Some(Fault::Kind),
+            _ => None,
+        }
+    }
 }
 
 /// What a hypothesis can answer to a path over its whole pose set.

@@ -1,5 +1,7 @@
 //! Directed lines, along which a tip goes, and what it meets first.
 
+use std::cmp::Ordering;
+
 use glam::DVec2;
 
 use crate::Feature;
@@ -27,6 +29,20 @@ impl<V: Dimension> Line<V> {
         let offset = point - self.start;
         let depth = self.direction.dot(offset);
         (depth, (offset - self.direction * depth).length())
+    }
+
+    /// An order, so that nothing is arbitrary: by the start, coordinate by coordinate, then by the direction.
+    pub(crate) fn order(&self, other: &Self) -> Ordering {
+        let by_coordinates = |a: V, b: V| {
+            let pairs = a.coordinates().iter().zip(b.coordinates());
+            pairs.map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
+        };
+        let (a, b) = (self.direction, other.direction);
+        let by_direction = match (a.angle(), b.angle()) {
+            (Some(a), Some(b)) => a.total_cmp(&b),
+            _ => by_coordinates(a, b),
+        };
+        by_coordinates(self.start, other.start).then(by_direction)
     }
 }
 

@@ -4,17 +4,18 @@ use std::cmp::Ordering;
 
 use glam::DVec2;
 
+use crate::dimension::Dimension;
 use crate::judge::{Fault, Outcome, Reading, Verdict};
 use crate::line::Line;
 use crate::plan::Stop;
-use crate::plane::Scene;
+use crate::scene::Scene;
 use crate::sensor::Sensor;
 
 /// A straight guarded move and what it would tell.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Path {
+pub struct Path<V: Dimension = DVec2> {
     /// Where it starts and how it goes, world frame.
-    pub line: Line,
+    pub line: Line<V>,
     /// How far, past the last possible contact.
     pub length: f64,
     /// All that it separates stays separated, and it stays usable, for shifts by this; to an eighth of m, at most 64 m.
@@ -28,13 +29,13 @@ pub struct Path {
     /// Hypotheses that it may pass by.
     pub no_contact: Vec<usize>,
     /// What each hypothesis can answer.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<Outcome<V>>,
     /// Why it can't be used, and because of which hypothesis.
     pub fault: Option<(usize, Fault)>,
     sensor: Sensor,
 }
 
-impl Path {
+impl<V: Dimension> Path<V> {
     /// Whether it is certain to tell something: some pair is separated.
     #[must_use]
     pub fn guaranteed(&self) -> bool {
@@ -43,14 +44,14 @@ impl Path {
 
     /// The hypotheses that could have given a reading, or, with `None`, a miss.
     #[must_use]
-    pub fn outcome_of(&self, reading: Option<Reading>) -> Vec<usize> {
+    pub fn outcome_of(&self, reading: Option<Reading<V>>) -> Vec<usize> {
         let answers = |k: &usize| self.outcomes[*k].may_answer(reading, &self.sensor);
         (0..self.outcomes.len()).filter(answers).collect()
     }
 
     /// A sensed centre and normal as the path sees them.
     #[must_use]
-    pub fn reading(&self, center: DVec2, normal: Option<DVec2>) -> Reading {
+    pub fn reading(&self, center: V, normal: Option<V>) -> Reading<V> {
         Reading::new(&self.line, center, normal)
     }
 
@@ -79,9 +80,7 @@ impl Path {
             .then(expected(self).total_cmp(&expected(other)))
             .then(rounded_margin(other.margin, m).total_cmp(&rounded_margin(self.margin, m)))
             .then(self.length.total_cmp(&other.length))
-            .then(self.line.start.x.total_cmp(&other.line.start.x))
-            .then(self.line.start.y.total_cmp(&other.line.start.y))
-            .then(self.line.direction.to_angle().total_cmp(&other.line.direction.to_angle()))
+            .then(self.line.order(&other.line))
     }
 }
 
@@ -99,8 +98,13 @@ pub(crate) fn rounded_margin(margin: f64, m: f64) -> f64 {
 ///
 /// It is so long that it passes the last possible contact also when shifted by its margin. One of a given length that is
 /// shorter has no margin, and may end before a contact.
-pub(crate) fn judged(scene: &Scene, members: &[usize], line: &Line, length: Option<f64>) -> Path {
-    let within = |length: f64| -> Vec<Outcome> {
+pub(crate) fn judged<V: Dimension>(
+    scene: &Scene<V>,
+    members: &[usize],
+    line: &Line<V>,
+    length: Option<f64>,
+) -> Path<V> {
+    let within = |length: f64| -> Vec<Outcome<V>> {
         members.iter().map(|member| scene.outcome(line, *member, 0.0, length)).collect()
     };
     let endless = within(f64::INFINITY);
@@ -137,7 +141,7 @@ pub(crate) fn judged(scene: &Scene, members: &[usize], line: &Line, length: Opti
 }
 
 /// The largest depth at which anything may be touched first.
-fn last_contact(outcomes: &[Outcome]) -> f64 {
+fn last_contact<V: Dimension>(outcomes: &[Outcome<V>]) -> f64 {
     let depths = outcomes.iter().flat_map(|outcome| &outcome.touches).map(|touch| touch.depth.high);
     depths.fold(0.0, f64::max)
 }

@@ -5,8 +5,8 @@ use crate::best::Best;
 use crate::hypothesis::Hypothesis;
 use crate::path::Path;
 use crate::plan::{PlanSettings, check};
-use crate::plane::Scene;
 use crate::plane::planners::Search;
+use crate::scene::Scene;
 use crate::sensor::Sensor;
 
 pub use crate::plane::planners::{CriticalPoint, Overlap, ProjectionSpace, Sheaf};

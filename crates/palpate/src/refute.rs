@@ -4,24 +4,25 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::Error;
+use crate::dimension::Dimension;
 use crate::hypothesis::Hypothesis;
 use crate::judge::{Reading, Rules};
 use crate::line::Line;
 use crate::plan::{PlanSettings, check, checked_line};
-use crate::plane::{Allowance, Question, Shadow};
+use crate::scene::{Question, Shadow};
 use crate::sensor::Sensor;
 
 /// A guarded move that was made, and what was met first.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Move {
+pub struct Move<V = DVec2> {
     /// The line; its direction of any length but zero.
-    pub line: Line,
+    pub line: Line<V>,
     /// How far the tip was to go at most.
     pub length: f64,
     /// Bounds of this reading.
     pub sensor: Sensor,
     /// Sensed centre of the tip, and normal if it was sensed, world frame; `None`: nothing was met.
-    pub met: Option<(DVec2, Option<DVec2>)>,
+    pub met: Option<(V, Option<V>)>,
 }
 
 /// Of each hypothesis the number of the first move that it can't have answered so, if there is one.
@@ -30,28 +31,31 @@ pub struct Move {
 ///
 /// # Errors
 /// No hypotheses, a direction of no length, numbers that are not finite or too large.
-pub fn refuting_moves(hypotheses: &[Hypothesis], moves: &[Move]) -> Result<Vec<Option<usize>>, Error> {
-    let size = hypotheses.iter().map(|one| one.model.size).fold(0.0, f64::max);
+pub fn refuting_moves<V: Dimension>(
+    hypotheses: &[Hypothesis<V>],
+    moves: &[Move<V>],
+) -> Result<Vec<Option<usize>>, Error> {
+    let size = hypotheses.iter().map(|one| V::size(&one.model)).fold(0.0, f64::max);
     let settings = PlanSettings::default();
-    let made: Vec<Move> = moves
+    let made: Vec<Move<V>> = moves
         .iter()
         .map(|one| {
             check(hypotheses, &one.sensor, &settings)?;
             Ok(Move { line: checked_line(one.line, size)?, ..*one })
         })
         .collect::<Result<_, Error>>()?;
-    let first = |one: &Hypothesis| {
-        let shadow = Shadow::new(&one.poses);
+    let first = |one: &Hypothesis<V>| {
+        let shadow = V::Shadow::new(&one.poses);
         made.iter().position(|one| !answers(&shadow, one))
     };
     Ok(hypotheses.par_iter().map(first).collect())
 }
 
-fn answers(shadow: &Shadow, one: &Move) -> bool {
+fn answers<V: Dimension>(shadow: &V::Shadow, one: &Move<V>) -> bool {
     let Move { line, length, sensor, met } = one;
     let rules = Rules { faces: true, edges: true, vertices: true, avoid_assigned: false };
-    let allowance = Allowance::new(sensor, shadow.model(), 0.0, 0.0);
-    let outcome = shadow.outcome(&Question::new(line, sensor, allowance, rules, *length));
+    let ask = Question { line, sensor, rules, margin: 0.0, angle_margin: 0.0, length: *length };
+    let outcome = shadow.outcome(&ask);
     let reading = met.map(|(center, normal)| Reading::new(line, center, normal));
     outcome.may_answer(reading, sensor)
 }

@@ -91,6 +91,11 @@ impl Sensor {
         length("path_error", path_error)?;
         Ok(Self { tip_radius, path_error, ..self })
     }
+
+    /// Whether two exact readings so far apart in depth and in their normals, either wrong by its bounds, may be the same.
+    pub(crate) fn confuses(&self, depth: f64, angle: impl FnOnce() -> f64) -> bool {
+        depth <= 2.0 * self.position_error && self.normal_error.is_none_or(|error| angle() <= 2.0 * error)
+    }
 }
 
 fn length(argument: &str, value: f64) -> Result<(), Error> {

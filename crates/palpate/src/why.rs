@@ -1,5 +1,6 @@
 //! Why a planner stopped where it did.
 
+use crate::dimension::Dimension;
 use crate::hypothesis::Hypothesis;
 use crate::plan::{Plan, PlanSettings, Planner};
 
@@ -44,14 +45,16 @@ impl Why {
     }
 }
 
-impl Plan {
+impl<V: Dimension> Plan<V> {
     /// Why it is as it is, planned among the hypotheses; `late`: time was up.
     #[must_use]
-    pub fn why(&self, hypotheses: &[Hypothesis], settings: &PlanSettings, late: bool) -> Why {
-        let m = settings.margin * hypotheses.iter().map(|one| one.model.size).fold(0.0, f64::max);
+    pub fn why(&self, hypotheses: &[Hypothesis<V>], settings: &PlanSettings<V>, late: bool) -> Why {
+        let m = settings.margin * hypotheses.iter().map(|one| V::size(&one.model)).fold(0.0, f64::max);
         let work = match settings.planner {
-            Planner::Auto | Planner::Complete => self.num_boxes,
-            Planner::Ellis | Planner::Grimson { .. } | Planner::Schneiter { .. } => self.num_judged,
+            // Where there is a complete one, `Auto` ends with it.
+            Planner::Auto if Planner::Complete.exists_in::<V>() => self.num_boxes,
+            Planner::Complete => self.num_boxes,
+            _ => self.num_judged,
         };
         match &self.path {
             _ if hypotheses.len() < 2 => Why::Solved,

@@ -6,19 +6,20 @@ use super::grow::{Grown, grow};
 use super::metrics::total_touches;
 use super::pool::{Pool, set_of};
 use super::relation::{Relation, Set};
+use crate::dimension::Dimension;
 use crate::plan::PlanSettings;
-use crate::plane::Scene;
+use crate::scene::Scene;
 
 /// At each node so many relations, those that identify most at once, are followed to the end.
 const NUM_FOLLOWED: usize = 16;
 
 /// The greedy tree, or one whose every path is the best if greedy ones follow it; whichever has fewer expected touches.
-pub(super) fn plan(
-    scene: &Scene,
-    settings: &PlanSettings,
+pub(super) fn plan<V: Dimension>(
+    scene: &Scene<V>,
+    settings: &PlanSettings<V>,
     max_nodes: usize,
     late: &dyn Fn() -> bool,
-) -> Grown {
+) -> Grown<V> {
     let everyone = scene.everyone();
     let root = set_of(&everyone);
     let mut pool = Pool::new(scene, settings, late);

@@ -5,12 +5,13 @@ use std::collections::BinaryHeap;
 
 use super::{Answers, Branch, Node, Status};
 use crate::best::{Aim, Best};
+use crate::dimension::Dimension;
 use crate::path::Path;
 use crate::plan::{Plan, PlanSettings, plan_with};
 
 /// A tree, and what was learned on the way.
-pub(super) struct Grown {
-    pub nodes: Vec<Node>,
+pub(super) struct Grown<V: Dimension> {
+    pub nodes: Vec<Node<V>>,
     /// No first path has branches of a smaller mean size (`Aim::Branches` over n).
     pub bound: f64,
     /// The most classes of any path that was found; `None`: of those in the tree.
@@ -18,18 +19,18 @@ pub(super) struct Grown {
 }
 
 /// How to go on from a node.
-pub(super) struct Choice {
-    pub path: Option<Path>,
+pub(super) struct Choice<V: Dimension> {
+    pub path: Option<Path<V>>,
     pub status: Status,
 }
 
-impl Choice {
+impl<V: Dimension> Choice<V> {
     pub fn unexpanded() -> Self {
         Self { path: None, status: Status::Unexpanded }
     }
 
     /// The planner's path, if it divides, or why there is none.
-    fn of_plan(plan: Plan) -> Self {
+    fn of_plan(plan: Plan<V>) -> Self {
         let status = match &plan.path {
             Some(path) if path.classes.len() > 1 => return Self { path: plan.path, status: Status::Divided },
             _ if !plan.proved => Status::Effort,
@@ -41,7 +42,11 @@ impl Choice {
 }
 
 /// What the planner finds, and the mean size of branches that no path is below, as far as it was proved.
-pub(super) fn planned(mut best: Best<'_>, settings: &PlanSettings, late: &dyn Fn() -> bool) -> (Choice, f64) {
+pub(super) fn planned<V: Dimension>(
+    mut best: Best<'_, V>,
+    settings: &PlanSettings<V>,
+    late: &dyn Fn() -> bool,
+) -> (Choice<V>, f64) {
     best.aim = Aim::Branches;
     let plan = plan_with(best, settings, late);
     let bound = plan.bound;
@@ -49,11 +54,11 @@ pub(super) fn planned(mut best: Best<'_>, settings: &PlanSettings, late: &dyn Fn
 }
 
 /// The tree whose paths are chosen by `choose`, which is asked at most `max_nodes` times.
-pub(super) fn grow(
+pub(super) fn grow<V: Dimension>(
     everyone: Vec<usize>,
     max_nodes: usize,
-    choose: &mut dyn FnMut(&[usize]) -> Choice,
-) -> Vec<Node> {
+    choose: &mut dyn FnMut(&[usize]) -> Choice<V>,
+) -> Vec<Node<V>> {
     let mut nodes = vec![Node::new(everyone, 0)];
     let mut open = BinaryHeap::from([(nodes[0].members.len(), Reverse(0))]);
     let mut num_planned = 0;
@@ -79,7 +84,7 @@ pub(super) fn grow(
     nodes
 }
 
-impl Node {
+impl<V: Dimension> Node<V> {
     fn new(members: Vec<usize>, level: usize) -> Self {
         let status = if members.len() > 1 { Status::Unexpanded } else { Status::Solved };
         Self { members, level, path: None, branches: Vec::new(), status }
@@ -87,7 +92,7 @@ impl Node {
 }
 
 /// The classes of a path among the members, and the unexpected.
-fn branches(path: &Path, members: &[usize]) -> Vec<Branch> {
+fn branches<V: Dimension>(path: &Path<V>, members: &[usize]) -> Vec<Branch> {
     let of_class = |class: &Vec<usize>| {
         let contact = class.iter().any(|place| !path.outcomes[*place].touches.is_empty());
         let miss = class.iter().any(|place| path.outcomes[*place].may_miss);

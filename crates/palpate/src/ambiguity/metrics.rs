@@ -2,9 +2,10 @@
 
 use super::grow::Grown;
 use super::{AmbiguityTree, Node, Status, TreeMethod};
+use crate::dimension::Dimension;
 
-impl AmbiguityTree {
-    pub(super) fn new(names: Vec<String>, method: TreeMethod, found: Grown) -> Self {
+impl<V: Dimension> AmbiguityTree<V> {
+    pub(super) fn new(names: Vec<String>, method: TreeMethod, found: Grown<V>) -> Self {
         let Grown { nodes, bound, max_outcomes } = found;
         let n = nodes[0].members.len();
         let (total, worst_touches) = total_touches(&nodes);
@@ -33,13 +34,13 @@ impl AmbiguityTree {
 }
 
 /// Touches summed over the hypotheses, and in the worst case.
-pub(super) fn total_touches(nodes: &[Node]) -> (usize, usize) {
+pub(super) fn total_touches<V: Dimension>(nodes: &[Node<V>]) -> (usize, usize) {
     let leaves = || nodes.iter().filter(|node| node.branches.is_empty());
     let total = leaves().map(|leaf| leaf.members.len() * leaf.touches()).sum();
     (total, leaves().map(Node::touches).max().unwrap_or(0))
 }
 
-impl Node {
+impl<V: Dimension> Node<V> {
     /// Until a hypothesis of this leaf is identified.
     fn touches(&self) -> usize {
         self.level + self.members.len() - 1
@@ -60,7 +61,7 @@ fn worst_bound(n: usize, b: usize) -> usize {
 ///
 /// If it leaves u hypotheses in classes of more than one, its classes hold at most `u² + n − u` pairs, so that
 /// `u² + n − u ≥ n·bound`, and u is not 1; each of these u needs another touch at least. Half a pair is granted to rounding.
-fn lower_bound(root: &Node, bound: f64) -> f64 {
+fn lower_bound<V: Dimension>(root: &Node<V>, bound: f64) -> f64 {
     let n = root.members.len();
     match root.status {
         Status::Solved => 0.0,

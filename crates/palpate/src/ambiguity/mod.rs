@@ -13,12 +13,15 @@ mod relation;
 mod text;
 mod verify;
 
+use glam::DVec2;
+
 use crate::Error;
 use crate::best::Best;
+use crate::dimension::Dimension;
 use crate::hypothesis::Hypothesis;
 use crate::path::Path;
 use crate::plan::{PlanSettings, check};
-use crate::plane::Scene;
+use crate::scene::Scene;
 use crate::sensor::Sensor;
 
 pub use relation::{MOST_HYPOTHESES, Optimum, Relation, Set, Value};
@@ -96,13 +99,13 @@ pub struct Branch {
 
 /// Hypotheses that are left after some touches, and how to go on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Node {
+pub struct Node<V: Dimension = DVec2> {
     /// Numbers of the hypotheses, in order.
     pub members: Vec<usize>,
     /// Touches before.
     pub level: usize,
     /// How to go on. Its numbers are places in `members`.
-    pub path: Option<Path>,
+    pub path: Option<Path<V>>,
     /// The classes of the path, in order of their first members, and the unexpected; empty without a path.
     pub branches: Vec<Branch>,
     /// What becomes of it.
@@ -114,9 +117,9 @@ pub struct Node {
 /// The figures take all hypotheses as equally likely; a leaf of s hypotheses that is not solved counts s − 1 further
 /// touches.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AmbiguityTree {
+pub struct AmbiguityTree<V: Dimension = DVec2> {
     /// The root first; then in the order in which their branches were made.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<Node<V>>,
     /// Names of the hypotheses' models.
     pub names: Vec<String>,
     /// How the paths were in fact chosen.
@@ -139,10 +142,10 @@ pub struct AmbiguityTree {
     pub identified: Vec<usize>,
 }
 
-impl AmbiguityTree {
+impl<V: Dimension> AmbiguityTree<V> {
     /// All hypotheses, and the first path.
     #[must_use]
-    pub fn root(&self) -> &Node {
+    pub fn root(&self) -> &Node<V> {
         &self.nodes[0]
     }
 
@@ -169,12 +172,12 @@ impl AmbiguityTree {
 ///
 /// # Errors
 /// As [`crate::plan()`].
-pub fn plan_tree(
-    hypotheses: &[Hypothesis],
+pub fn plan_tree<V: Dimension>(
+    hypotheses: &[Hypothesis<V>],
     sensor: &Sensor,
-    settings: &PlanSettings,
+    settings: &PlanSettings<V>,
     tree_settings: &TreeSettings,
-) -> Result<AmbiguityTree, Error> {
+) -> Result<AmbiguityTree<V>, Error> {
     plan_tree_until(hypotheses, sensor, settings, tree_settings, &|| false)
 }
 
@@ -182,16 +185,16 @@ pub fn plan_tree(
 ///
 /// # Errors
 /// As [`crate::plan()`].
-pub fn plan_tree_until(
-    hypotheses: &[Hypothesis],
+pub fn plan_tree_until<V: Dimension>(
+    hypotheses: &[Hypothesis<V>],
     sensor: &Sensor,
-    settings: &PlanSettings,
+    settings: &PlanSettings<V>,
     tree_settings: &TreeSettings,
     late: &dyn Fn() -> bool,
-) -> Result<AmbiguityTree, Error> {
+) -> Result<AmbiguityTree<V>, Error> {
     check(hypotheses, sensor, settings)?;
     let scene = Scene::new(hypotheses, sensor, settings);
-    let names = hypotheses.iter().map(|one| one.model.name.clone()).collect();
+    let names = hypotheses.iter().map(|one| V::name(&one.model).to_owned()).collect();
     let max_nodes = tree_settings.max_nodes;
     let n = hypotheses.len();
     let method = match tree_settings.method {
@@ -208,7 +211,12 @@ pub fn plan_tree_until(
 }
 
 /// At each node what the planner says is best.
-fn greedy(scene: &Scene, settings: &PlanSettings, max_nodes: usize, late: &dyn Fn() -> bool) -> grow::Grown {
+fn greedy<V: Dimension>(
+    scene: &Scene<V>,
+    settings: &PlanSettings<V>,
+    max_nodes: usize,
+    late: &dyn Fn() -> bool,
+) -> grow::Grown<V> {
     let mut first = None;
     let nodes = grow::grow(scene.everyone(), max_nodes, &mut |members| {
         if late() {

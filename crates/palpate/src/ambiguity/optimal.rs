@@ -3,16 +3,17 @@
 use super::grow::{Grown, grow};
 use super::pool::{Pool, set_of};
 use super::relation::{Optimum, Relation, Set};
+use crate::dimension::Dimension;
 use crate::plan::PlanSettings;
-use crate::plane::Scene;
+use crate::scene::Scene;
 
 /// The tree of fewest expected touches. Sets that it meets are planned for until it meets no new one.
-pub(super) fn plan(
-    scene: &Scene,
-    settings: &PlanSettings,
+pub(super) fn plan<V: Dimension>(
+    scene: &Scene<V>,
+    settings: &PlanSettings<V>,
     max_nodes: usize,
     late: &dyn Fn() -> bool,
-) -> Grown {
+) -> Grown<V> {
     let everyone = scene.everyone();
     let (n, root) = (everyone.len(), set_of(&everyone));
     let mut pool = Pool::new(scene, settings, late);
@@ -29,7 +30,7 @@ pub(super) fn plan(
 }
 
 /// Explores the sets that the best tree meets, unless one touch identifies each of their members. Returns whether any is new.
-fn explored(pool: &mut Pool<'_>, n: usize, root: Set) -> bool {
+fn explored<V: Dimension>(pool: &mut Pool<'_, V>, n: usize, root: Set) -> bool {
     let mut optimum = Optimum::new(n, pool.relations());
     let mut subsets = optimum.subsets(root);
     subsets.retain(|subset| {

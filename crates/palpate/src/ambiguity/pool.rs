@@ -6,43 +6,44 @@ use super::Status;
 use super::grow::{Choice, planned};
 use super::relation::{Relation, Set, bit, members};
 use crate::best::Best;
+use crate::dimension::Dimension;
 use crate::judge::Outcome;
 use crate::line::Line;
 use crate::path::judged;
 use crate::plan::PlanSettings;
-use crate::plane::Scene;
+use crate::scene::Scene;
 
 /// Lines that tell the same; of each relation so many are kept, those that the planner offered first.
 const KEPT_OF_A_KIND: usize = 4;
 
 /// Lines, by what they tell of all hypotheses, and what the planner said of some sets.
-pub(super) struct Pool<'a> {
-    scene: &'a Scene,
-    settings: &'a PlanSettings,
+pub(super) struct Pool<'a, V: Dimension> {
+    scene: &'a Scene<V>,
+    settings: &'a PlanSettings<V>,
     late: &'a dyn Fn() -> bool,
     everyone: Vec<usize>,
-    lines: Lines,
+    lines: Lines<V>,
     planned: BTreeMap<Set, (Status, f64)>,
     /// Sets for which the planner was asked to look at more than it needs.
     thorough: BTreeSet<Set>,
 }
 
-#[derive(Default)]
-struct Lines {
-    of_relation: BTreeMap<Relation, Vec<Line>>,
+struct Lines<V> {
+    of_relation: BTreeMap<Relation, Vec<Line<V>>>,
     undominated: Vec<Relation>,
 }
 
-impl<'a> Pool<'a> {
+impl<'a, V: Dimension> Pool<'a, V> {
     /// An empty one.
-    pub fn new(scene: &'a Scene, settings: &'a PlanSettings, late: &'a dyn Fn() -> bool) -> Self {
+    pub fn new(scene: &'a Scene<V>, settings: &'a PlanSettings<V>, late: &'a dyn Fn() -> bool) -> Self {
         let everyone = scene.everyone();
-        let (lines, planned, thorough) = (Lines::default(), BTreeMap::new(), BTreeSet::new());
+        let lines = Lines { of_relation: BTreeMap::new(), undominated: Vec::new() };
+        let (planned, thorough) = (BTreeMap::new(), BTreeSet::new());
         Self { scene, settings, late, everyone, lines, planned, thorough }
     }
 
     /// Plans among the members, as without a pool; every line that the planner judges is kept.
-    pub fn plan(&mut self, members: &[usize]) -> Choice {
+    pub fn plan(&mut self, members: &[usize]) -> Choice<V> {
         if (self.late)() {
             return Choice::unexpanded();
         }
@@ -70,9 +71,9 @@ impl<'a> Pool<'a> {
         true
     }
 
-    fn ask(&mut self, members: &[usize], settings: &PlanSettings, thorough: bool) -> (Choice, f64) {
+    fn ask(&mut self, members: &[usize], settings: &PlanSettings<V>, thorough: bool) -> (Choice<V>, f64) {
         let (scene, everyone, lines) = (self.scene, &self.everyone, &mut self.lines);
-        let mut keep = |line: &Line| lines.add(relation(scene, everyone, line), line);
+        let mut keep = |line: &Line<V>| lines.add(relation(scene, everyone, line), line);
         let mut best = Best::new(scene, members);
         best.listener = Some(&mut keep);
         best.thorough = thorough;
@@ -90,7 +91,7 @@ impl<'a> Pool<'a> {
     }
 
     /// The best path that tells what the relation says; without one, what the planner said.
-    pub fn choice(&self, relation: Option<&Relation>, members: &[usize]) -> Choice {
+    pub fn choice(&self, relation: Option<&Relation>, members: &[usize]) -> Choice<V> {
         let Some(relation) = relation else {
             let status = self.planned.get(&set_of(members)).map_or(Status::Unexpanded, |(status, _)| *status);
             return Choice { path: None, status };
@@ -101,8 +102,8 @@ impl<'a> Pool<'a> {
     }
 }
 
-impl Lines {
-    fn add(&mut self, relation: Relation, line: &Line) {
+impl<V: Dimension> Lines<V> {
+    fn add(&mut self, relation: Relation, line: &Line<V>) {
         if let Some(kept) = self.of_relation.get_mut(&relation) {
             if kept.len() < KEPT_OF_A_KIND {
                 kept.push(*line);
@@ -118,8 +119,8 @@ impl Lines {
 }
 
 /// What a line tells of everyone.
-fn relation(scene: &Scene, everyone: &[usize], line: &Line) -> Relation {
-    let outcomes: Vec<Outcome> = everyone
+fn relation<V: Dimension>(scene: &Scene<V>, everyone: &[usize], line: &Line<V>) -> Relation {
+    let outcomes: Vec<Outcome<V>> = everyone
         .iter()
         .flat_map(|member| match scene.outcomes(line, &[*member], 0.0) {
             Ok(outcomes) | Err(outcomes) => outcomes,

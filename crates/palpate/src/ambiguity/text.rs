@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use super::{AmbiguityTree, Answers, Node, Status, TreeMethod};
+use crate::dimension::Dimension;
 use crate::path::Path;
 
-impl AmbiguityTree {
+impl<V: Dimension> AmbiguityTree<V> {
     /// Drawn with one line for each branch: `S1`, `S2` are what may be sensed, `I1`, `I2` the hypotheses.
     #[must_use]
     pub fn to_text(&self) -> String {
@@ -60,7 +61,7 @@ impl AmbiguityTree {
     }
 
     /// Who is left, and how to go on.
-    fn described(&self, node: &Node) -> String {
+    fn described(&self, node: &Node<V>) -> String {
         let name = |member: &usize| format!("I{} {}", member + 1, self.names[*member]);
         let members = node.members.iter().map(name).collect::<Vec<_>>().join(", ");
         let more = node.members.len() - 1;
@@ -77,7 +78,15 @@ impl AmbiguityTree {
     }
 }
 
-fn described(path: &Path) -> String {
-    let (start, angle) = (path.line.start, path.line.direction.to_angle().to_degrees());
-    format!("path from ({:.2}, {:.2}) at {angle:.2}°, margin {:.3}", start.x, start.y, path.margin)
+fn described<V: Dimension>(path: &Path<V>) -> String {
+    let rounded = |vector: V| {
+        let coordinates: Vec<String> = vector.coordinates().iter().map(|one| format!("{one:.2}")).collect();
+        format!("({})", coordinates.join(", "))
+    };
+    let direction = path.line.direction;
+    let way = match direction.angle() {
+        Some(angle) => format!("at {:.2}°", angle.to_degrees()),
+        None => format!("along {}", rounded(direction)),
+    };
+    format!("path from {} {way}, margin {:.3}", rounded(path.line.start), path.margin)
 }

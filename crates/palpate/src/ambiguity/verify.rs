@@ -1,21 +1,18 @@
 //! One more touch of a hypothesis that is thought to be the truth (thesis 6.2).
 
 use std::cmp::Reverse;
-use std::f64::consts::PI;
 
 use glam::DVec2;
 
 use crate::Error;
+use crate::dimension::Dimension;
 use crate::hypothesis::Hypothesis;
 use crate::line::Line;
 use crate::path::{Path, judged};
 use crate::plan::{PlanSettings, check, checked_line};
-use crate::plane::{Pose, Scene};
+use crate::scene::{Scene, Shadow};
 use crate::sensor::Sensor;
 use crate::why::Why;
-
-/// Evenly spaced directions that are tried; those straight at a face come on top.
-const NUM_DIRECTIONS: usize = 72;
 
 /// Larger margins, in steps, are not told apart.
 const MOST_STEPS: u32 = 1 << 20;
@@ -25,9 +22,9 @@ const STEP: f64 = 0.125;
 
 /// The answer to [`verification_until`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct Verification {
+pub struct Verification<V: Dimension = DVec2> {
     /// The path; `None`: none of the lines that were judged surely touches.
-    pub path: Option<Path>,
+    pub path: Option<Path<V>>,
     /// [`Why::Searched`]: all lines that are tried were looked at. [`Why::Time`], [`Why::Effort`]: it was cut short.
     pub why: Why,
     /// How often a line was judged, with one margin.
@@ -39,11 +36,11 @@ pub struct Verification {
 ///
 /// # Errors
 /// As [`crate::plan()`].
-pub fn verification_path(
-    hypothesis: &Hypothesis,
+pub fn verification_path<V: Dimension>(
+    hypothesis: &Hypothesis<V>,
     sensor: &Sensor,
-    settings: &PlanSettings,
-) -> Result<Option<Path>, Error> {
+    settings: &PlanSettings<V>,
+) -> Result<Option<Path<V>>, Error> {
     verification_until(hypothesis, sensor, settings, &|| false).map(|found| found.path)
 }
 
@@ -54,15 +51,15 @@ pub fn verification_path(
 ///
 /// # Errors
 /// As [`crate::plan()`].
-pub fn verification_until(
-    hypothesis: &Hypothesis,
+pub fn verification_until<V: Dimension>(
+    hypothesis: &Hypothesis<V>,
     sensor: &Sensor,
-    settings: &PlanSettings,
+    settings: &PlanSettings<V>,
     late: &dyn Fn() -> bool,
-) -> Result<Verification, Error> {
+) -> Result<Verification<V>, Error> {
     let scene = scene(hypothesis, sensor, settings)?;
-    let mut promising: Vec<(u32, usize, Line)> = Vec::new();
-    for (number, line) in candidates(&scene).enumerate() {
+    let mut promising: Vec<(u32, usize, Line<V>)> = Vec::new();
+    for (number, line) in V::verifying_lines(&scene).enumerate() {
         if late() {
             break;
         }
@@ -72,7 +69,7 @@ pub fn verification_until(
         }
     }
     promising.sort_by_key(|(most, number, _)| (Reverse(*most), *number));
-    let mut best: Option<(u32, usize, Line)> = None;
+    let mut best: Option<(u32, usize, Line<V>)> = None;
     let (mut num_judged, mut why) = (0, Why::Searched);
     for (most, number, line) in promising {
         // Of lines with the same margin the first is taken, whatever the order in which they are judged.
@@ -113,60 +110,66 @@ pub fn verification_until(
 ///
 /// # Errors
 /// As [`crate::judge()`].
-pub fn verification_along(
-    hypothesis: &Hypothesis,
+pub fn verification_along<V: Dimension>(
+    hypothesis: &Hypothesis<V>,
     sensor: &Sensor,
-    line: Line,
-    settings: &PlanSettings,
-) -> Result<Option<Path>, Error> {
+    line: Line<V>,
+    settings: &PlanSettings<V>,
+) -> Result<Option<Path<V>>, Error> {
     let scene = scene(hypothesis, sensor, settings)?;
     let line = checked_line(line, scene.size)?;
     let judge = |steps| holds(&scene, &line, steps);
     Ok(judge(1).then(|| verifying(&scene, &line, largest(1, judge))))
 }
 
-fn scene(hypothesis: &Hypothesis, sensor: &Sensor, settings: &PlanSettings) -> Result<Scene, Error> {
+fn scene<V: Dimension>(
+    hypothesis: &Hypothesis<V>,
+    sensor: &Sensor,
+    settings: &PlanSettings<V>,
+) -> Result<Scene<V>, Error> {
     let settings = PlanSettings { avoid_assigned: true, ..settings.clone() };
     let hypotheses = std::slice::from_ref(hypothesis);
     check(hypotheses, sensor, &settings)?;
     Ok(Scene::new(hypotheses, sensor, &settings))
 }
 
-fn verifying(scene: &Scene, line: &Line, steps: u32) -> Path {
+fn verifying<V: Dimension>(scene: &Scene<V>, line: &Line<V>, steps: u32) -> Path<V> {
     let mut path = judged(scene, &[0], line, None);
     path.margin = margin(scene, steps);
     path
 }
 
-fn margin(scene: &Scene, steps: u32) -> f64 {
+fn margin<V: Dimension>(scene: &Scene<V>, steps: u32) -> f64 {
     STEP * f64::from(steps) * scene.margin
 }
 
 /// Whether the line is usable and surely touches, everything widened by so many steps.
-fn holds(scene: &Scene, line: &Line, steps: u32) -> bool {
+fn holds<V: Dimension>(scene: &Scene<V>, line: &Line<V>, steps: u32) -> bool {
     scene.surely_touched(line, 0, margin(scene, steps))
 }
 
 /// It holds with no more steps than this: with one more, the first view would break a rule or be missed.
-fn promise(scene: &Scene, line: &Line) -> u32 {
+fn promise<V: Dimension>(scene: &Scene<V>, line: &Line<V>) -> u32 {
     let may_hold = |steps| may_hold(scene, line, scene.views[0][0], margin(scene, steps));
     if may_hold(1) { largest(1, may_hold) } else { 0 }
 }
 
-/// Whether the line and those at either end of its allowance surely touch at one pose, and as the rules want it. It holds for
+/// Whether the line and those at either end of its allowance, in each direction across, surely touch at one pose, and as the rules want it. It holds for
 /// no hypothesis that has a pose where they don't.
-fn may_hold(scene: &Scene, line: &Line, pose: Pose, margin: f64) -> bool {
+fn may_hold<V: Dimension>(scene: &Scene<V>, line: &Line<V>, pose: V::Pose, margin: f64) -> bool {
     let model = scene.shadows[0].model();
-    let aside = scene.sensor.path_error + model.position_slack + margin;
-    let steepest = scene.sensor.max_incidence - model.normal_slack - margin / scene.size;
-    [0.0, -aside, aside].into_iter().all(|shift| {
-        let shifted = Line { start: line.start + shift * line.left(), ..*line };
+    let aside = scene.sensor.path_error + V::position_slack(model) + margin;
+    let steepest = scene.sensor.max_incidence - V::normal_slack(model) - margin / scene.size;
+    let holds = |shift: V| {
+        let shifted = Line { start: line.start + shift, ..*line };
         scene.contact(0, pose, &shifted).is_some_and(|met| {
             met.touchable
-                && scene.shadows[0].unwanted(met.feature, scene.rules).is_none()
-                && met.normal.angle_to(-line.direction).abs() <= steepest
+                && scene.unwanted(0, met.feature).is_none()
+                && met.normal.angle_between(-line.direction) <= steepest
         })
-    })
+    };
+    let either_way = |across: V| holds(across * -aside) && holds(across * aside);
+    holds(V::default()) && line.direction.across().into_iter().all(either_way)
 }
 
 /// The most steps with which it holds; it does with `low`.
@@ -182,22 +185,9 @@ fn largest(mut low: u32, mut holds: impl FnMut(u32) -> bool) -> u32 {
     low
 }
 
-/// At the pose with the largest slack: in each direction one line between every two vertices that follow one another across.
-fn candidates(scene: &Scene) -> impl Iterator<Item = Line> + '_ {
-    let (model, pose) = (scene.shadows[0].model(), scene.views[0][0]);
-    let straight = model.faces.iter().map(move |face| (pose.rotation.rotate(face.normal)).to_angle() + PI);
-    straight.chain(scene.directions(NUM_DIRECTIONS).0).flat_map(move |angle| {
-        let aside = DVec2::from_angle(angle).perp();
-        let place = |at: DVec2| aside.dot(pose.apply(at) - scene.middle);
-        let mut places: Vec<f64> = model.vertices.iter().map(|vertex| place(vertex.point)).collect();
-        places.sort_by(f64::total_cmp);
-        let between: Vec<f64> = places.windows(2).map(|two| 0.5 * (two[0] + two[1])).collect();
-        between.into_iter().filter_map(move |aside| scene.line(angle, aside))
-    })
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
     use std::sync::Arc;
 
     use glam::dvec2;
@@ -232,7 +222,7 @@ mod tests {
     /// Every line judged, in their order.
     fn by_all_lines(scene: &Scene) -> Option<(u32, Line)> {
         let mut best: Option<(u32, Line)> = None;
-        for line in candidates(scene) {
+        for line in DVec2::verifying_lines(scene) {
             let known = best.map_or(0, |(steps, _)| steps);
             if holds(scene, &line, known + 1) {
                 best = Some((largest(known + 1, |steps| holds(scene, &line, steps)), line));
@@ -247,7 +237,7 @@ mod tests {
         for sensor in sensors() {
             let scene = scene(&hypothesis, &sensor, &settings).expect("well-formed");
             let (steps, line) = by_all_lines(&scene).expect("the corner is left");
-            let all = candidates(&scene).count() as u64;
+            let all = DVec2::verifying_lines(&scene).count() as u64;
             let found = verification_until(&hypothesis, &sensor, &settings, &|| false).expect("well-formed");
             let path = found.path.expect("the same");
             assert_eq!((path.line, path.margin), (line, margin(&scene, steps)));
@@ -274,7 +264,7 @@ mod tests {
         let hypothesis = block();
         for sensor in sensors() {
             let scene = scene(&hypothesis, &sensor, &PlanSettings::default()).expect("well-formed");
-            for line in candidates(&scene) {
+            for line in DVec2::verifying_lines(&scene) {
                 let most = promise(&scene, &line);
                 assert!(!holds(&scene, &line, most + 1), "{line:?} holds with more than {most}");
             }

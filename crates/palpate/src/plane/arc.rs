@@ -30,6 +30,10 @@ impl Normals<DVec2> for Arc {
     fn apart(self, other: Self) -> f64 {
         (self.distance(other.middle()) - other.half_width()).max(0.0)
     }
+
+    fn cap(self) -> (DVec2, f64) {
+        (DVec2::from_angle(self.middle()), self.half_width())
+    }
 }
 
 impl Arc {

@@ -4,6 +4,7 @@ mod arc;
 mod case;
 mod cell;
 mod crossing;
+mod dimension;
 mod distance;
 mod free;
 mod hypotheses;
@@ -34,6 +35,4 @@ pub use thesis::ThesisPose;
 
 pub(crate) use case::Case;
 pub(crate) use hypotheses::explain;
-pub(crate) use outcome::{Allowance, Question};
-pub(crate) use scene::Scene;
 pub(crate) use shadow::Shadow;

@@ -7,16 +7,18 @@ use glam::DVec2;
 
 use super::arc::{Arc, wrap};
 use super::model::Model;
+use super::pose_set::PoseSet;
 use super::shadow::{PlacedCell, Shadow, Spot};
 use crate::feature::Feature;
 use crate::judge::{Fault, Outcome, Rules, Touch};
 use crate::line::Line;
+use crate::scene::{self, Question};
 use crate::sensor::Sensor;
 use crate::tree::Range;
 
 /// What is granted beyond the poses: all ranges are wider by it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Allowance {
+struct Allowance {
     /// The tip may be this far from its line.
     aside: f64,
     /// Depths.
@@ -27,7 +29,7 @@ pub(crate) struct Allowance {
 
 impl Allowance {
     /// Path error, the model's slacks, and the margin μ, as a length and as an angle.
-    pub fn new(sensor: &Sensor, model: &Model, margin: f64, angle_margin: f64) -> Self {
+    fn new(sensor: &Sensor, model: &Model, margin: f64, angle_margin: f64) -> Self {
         Self {
             aside: sensor.path_error + model.position_slack + margin,
             depth: model.position_slack + margin,
@@ -36,8 +38,8 @@ impl Allowance {
     }
 }
 
-/// What is asked of a hypothesis: what this line may meet first, with this sensor.
-pub(crate) struct Question<'a> {
+/// The question, with what follows from it for this hypothesis.
+struct Asked<'a> {
     line: &'a Line,
     /// Angle of the way back.
     back: f64,
@@ -48,8 +50,10 @@ pub(crate) struct Question<'a> {
     length: f64,
 }
 
-impl<'a> Question<'a> {
-    pub fn new(line: &'a Line, sensor: &'a Sensor, allowance: Allowance, rules: Rules, length: f64) -> Self {
+impl<'a> Asked<'a> {
+    fn new(ask: &Question<'a>, model: &Model) -> Self {
+        let Question { line, sensor, rules, margin, angle_margin, length } = *ask;
+        let allowance = Allowance::new(sensor, model, margin, angle_margin);
         Self { line, back: (-line.direction).to_angle(), sensor, allowance, rules, length }
     }
 
@@ -75,23 +79,35 @@ struct Possible {
     fault: Option<Fault>,
 }
 
-impl Shadow {
-    /// What the line may meet first, over all poses.
-    ///
+impl scene::Shadow<DVec2> for Shadow {
+    fn new(poses: &PoseSet) -> Self {
+        Self::new(poses)
+    }
+
+    fn model(&self) -> &Model {
+        self.model()
+    }
+
+    fn ball(&self) -> (DVec2, f64) {
+        (self.middle, self.radius)
+    }
+
     /// The allowance widens everything before nearer contacts hide farther ones, so that with a larger one the outcome only
     /// grows (`docs/theory.md`, T12).
-    pub fn outcome(&self, ask: &Question<'_>) -> Outcome {
-        self.outcome_until(ask, |_| false)
+    fn outcome(&self, ask: &Question<'_>) -> Outcome {
+        self.outcome_until(&Asked::new(ask, &self.model), |_| false)
     }
 
-    /// Whether the line is usable and surely touches, at all poses. Looks no further than needed.
-    pub fn surely_touched(&self, ask: &Question<'_>) -> bool {
+    /// Looks no further than needed.
+    fn surely_touched(&self, ask: &Question<'_>) -> bool {
         let fails = |outcome: &Outcome| outcome.fault.is_some() || outcome.may_miss;
-        !fails(&self.outcome_until(ask, fails))
+        !fails(&self.outcome_until(&Asked::new(ask, &self.model), fails))
     }
+}
 
+impl Shadow {
     /// The outcome over the first cells, so many that it is as `enough` wants it.
-    fn outcome_until(&self, ask: &Question<'_>, enough: impl Fn(&Outcome) -> bool) -> Outcome {
+    fn outcome_until(&self, ask: &Asked<'_>, enough: impl Fn(&Outcome) -> bool) -> Outcome {
         let mut outcome = Outcome::default();
         let mut seen = Vec::with_capacity(self.model.vertices.len());
         for cell in &self.cells {
@@ -118,19 +134,12 @@ impl Shadow {
     }
 
     /// Whether a first contact on the feature breaks a rule.
-    pub fn unwanted(&self, feature: Feature, rules: Rules) -> Option<Fault> {
-        match feature {
-            Feature::Face(number) if rules.avoid_assigned && self.assigned[number as usize] => {
-                Some(Fault::Assigned)
-            }
-            Feature::Face(_) if !rules.faces => Some(Fault::Kind),
-            Feature::Vertex(_) if !rules.vertices => Some(Fault::Kind),
-            _ => None,
-        }
+    fn unwanted(&self, feature: Feature, rules: Rules) -> Option<Fault> {
+        rules.broken_by(feature, || self.assigned[feature.number() as usize])
     }
 
     /// The tip must be clear of the part where it starts, at every pose of the cell.
-    fn check_start(&self, cell: &PlacedCell, ask: &Question<'_>, outcome: &mut Outcome) {
+    fn check_start(&self, cell: &PlacedCell, ask: &Asked<'_>, outcome: &mut Outcome) {
         let keep = ask.sensor.tip_radius + ask.allowance.aside;
         if ask.line.start.distance(self.middle) > self.radius + keep {
             return;
@@ -160,7 +169,7 @@ impl Shadow {
         &self,
         cell: &PlacedCell,
         seen: &[Seen],
-        ask: &Question<'_>,
+        ask: &Asked<'_>,
     ) -> (Option<f64>, Vec<Possible>) {
         let mut possible = Vec::new();
         let reach = ask.allowance.aside + ask.sensor.tip_radius;
@@ -186,7 +195,7 @@ impl Shadow {
         cell: &PlacedCell,
         seen: &[Seen],
         number: usize,
-        ask: &Question<'_>,
+        ask: &Asked<'_>,
     ) -> Option<Possible> {
         let face = &self.model.faces[number];
         if face.surface == Surface::Seam {
@@ -245,7 +254,7 @@ impl Shadow {
         [start, end]: [Seen; 2],
         number: usize,
         radius: f64,
-        ask: &Question<'_>,
+        ask: &Asked<'_>,
     ) -> Option<Range> {
         let face = &self.model.faces[number];
         let (normal, angle) = cell.normals[number];
@@ -289,7 +298,7 @@ impl Shadow {
         cell: &PlacedCell,
         seen: &[Seen],
         number: usize,
-        ask: &Question<'_>,
+        ask: &Asked<'_>,
     ) -> Option<Possible> {
         let radius = ask.sensor.tip_radius;
         let Seen { along, aside } = seen[number];
@@ -328,7 +337,7 @@ impl Shadow {
     /// Between a vertex that is surely to its left and the next one that is surely to its right an outline must cross the
     /// line, inward; of a loose face this is said only if it is one face. The tip touches no later than its centre is its
     /// radius away from that crossing, or from a vertex that is surely as near to the line.
-    fn surely_met(&self, cell: &PlacedCell, seen: &[Seen], ask: &Question<'_>) -> Option<f64> {
+    fn surely_met(&self, cell: &PlacedCell, seen: &[Seen], ask: &Asked<'_>) -> Option<f64> {
         let side = |vertex: usize| {
             if seen[vertex].aside.low > ask.allowance.aside {
                 1
@@ -403,7 +412,7 @@ impl Shadow {
 }
 
 /// A depth by which a ball has surely met a vertex: it is ahead, and closer to the line than the radius.
-fn met_by_vertex(Seen { along, aside }: &Seen, ask: &Question<'_>) -> Option<f64> {
+fn met_by_vertex(Seen { along, aside }: &Seen, ask: &Asked<'_>) -> Option<f64> {
     let radius = ask.sensor.tip_radius;
     let off = aside.high.max(-aside.low) + ask.allowance.aside;
     let sure = along.low > 0.0 && off < radius;

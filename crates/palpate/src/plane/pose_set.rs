@@ -396,6 +396,14 @@ impl Poses<DVec2> for PoseSet {
         self.witnesses().any(|witness| !witness.undecided)
     }
 
+    fn witness(&self) -> Pose {
+        self.witness()
+    }
+
+    fn sample(&self, count: usize, seed: u64) -> Vec<Pose> {
+        self.sample(count, seed)
+    }
+
     fn largest_slack(&self) -> Pose {
         self.largest_slack()
     }
@@ -406,6 +414,10 @@ impl Poses<DVec2> for PoseSet {
 
     fn assignments(&self) -> Box<dyn Iterator<Item = Vec<Feature>> + Send> {
         Box::new(self.assignments())
+    }
+
+    fn assigned_features(&self) -> Vec<Feature> {
+        self.assigned_features().collect()
     }
 
     fn of_assignment(&self, assignment: &[Feature]) -> Self {

@@ -41,23 +41,23 @@ pub(crate) struct PlacedCell {
 
 /// A hypothesis over all its poses, made ready for lines.
 #[derive(Debug)]
-pub(crate) struct Shadow {
-    pub model: std::sync::Arc<Model>,
-    pub pivot: DVec2,
-    pub cells: Vec<PlacedCell>,
-    pub points: Vec<DVec2>,
+pub struct Shadow {
+    pub(super) model: std::sync::Arc<Model>,
+    pub(super) pivot: DVec2,
+    pub(super) cells: Vec<PlacedCell>,
+    pub(super) points: Vec<DVec2>,
     /// Vertices at which each face starts and ends.
-    pub ends: Vec<[usize; 2]>,
+    pub(super) ends: Vec<[usize; 2]>,
     /// Faces of each closed outline.
-    pub loops: Vec<ops::Range<usize>>,
+    pub(super) loops: Vec<ops::Range<usize>>,
     /// Vertices that are on the part: ends of faces, seams aside.
-    pub solid: Vec<bool>,
+    pub(super) solid: Vec<bool>,
     /// Cones of the vertices that stick out.
-    pub cones: Vec<Option<Arc>>,
-    pub assigned: Vec<bool>,
+    pub(super) cones: Vec<Option<Arc>>,
+    pub(super) assigned: Vec<bool>,
     /// A circle around every place of every vertex.
-    pub middle: DVec2,
-    pub radius: f64,
+    pub(super) middle: DVec2,
+    pub(super) radius: f64,
 }
 
 impl Shadow {

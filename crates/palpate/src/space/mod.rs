@@ -7,6 +7,7 @@ mod cell;
 #[cfg(test)]
 mod cell_tests;
 mod cones;
+mod dimension;
 mod distance;
 mod edges;
 mod extent;
@@ -25,15 +26,18 @@ mod outcome;
 mod outcome_tests;
 mod outlines;
 mod pieces;
+mod planners;
 mod pose;
 mod pose_set;
 mod prior;
 mod quantized;
 #[cfg(test)]
 mod query_tests;
+mod rays;
 mod regions;
 mod roundness;
 mod scale;
+mod scene;
 mod segments;
 mod sensed;
 mod shadow;
@@ -59,6 +63,7 @@ pub use model::{Edge, Face, Model, Roundness, Symmetry, Vertex};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
 pub use prior::{Lying, Prior};
+pub(crate) use shadow::Shadow;
 pub use sphere::Cap;
 pub use thesis::ThesisPose;
 

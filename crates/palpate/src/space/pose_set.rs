@@ -487,6 +487,14 @@ impl Poses<DVec3> for PoseSet {
         self.witnesses().any(|witness| !witness.undecided)
     }
 
+    fn witness(&self) -> Pose {
+        self.witness()
+    }
+
+    fn sample(&self, count: usize, seed: u64) -> Vec<Pose> {
+        self.sample(count, seed)
+    }
+
     fn largest_slack(&self) -> Pose {
         self.largest_slack()
     }
@@ -506,6 +514,10 @@ impl Poses<DVec3> for PoseSet {
 
     fn assignments(&self) -> Box<dyn Iterator<Item = Vec<Feature>> + Send> {
         Box::new(self.assigned())
+    }
+
+    fn assigned_features(&self) -> Vec<Feature> {
+        self.pieces.iter().flat_map(|piece| piece.features.iter().flatten().copied()).collect()
     }
 
     fn of_assignment(&self, assignment: &[Feature]) -> Self {

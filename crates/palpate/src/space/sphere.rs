@@ -28,6 +28,10 @@ impl Normals<DVec3> for Cap {
     fn apart(self, other: Self) -> f64 {
         (Dimension::angle_between(self.axis, other.axis) - self.angle - other.angle).max(0.0)
     }
+
+    fn cap(self) -> (DVec3, f64) {
+        (self.axis, self.angle)
+    }
 }
 
 /// A direction counts as inside if it misses by no more, radians.
@@ -49,6 +53,7 @@ impl Cap {
     }
 
     /// Caps no wider than `fine`, below a quarter turn, that cover the sphere: one around each square of a grid on a cube.
+    #[expect(clippy::cast_sign_loss, reason = "it is at least 1")]
     pub fn cover(fine: f64) -> Vec<Self> {
         // A point of a square is no farther from its middle than half its diagonal, and the sphere is no nearer than 1.
         let count = (0.5 * 2.0 * std::f64::consts::SQRT_2 / fine).ceil().max(1.0) as u32;

@@ -14,8 +14,8 @@ use glam::DVec2;
 use super::whole;
 use crate::plane::arc::wrap;
 use crate::plane::distance::to_segment;
-use crate::plane::scene::Scene;
 use crate::plane::shadow::convex_hull;
+use crate::scene::Scene;
 
 /// A square of cells around all that the hypotheses may occupy.
 #[derive(Debug, Clone, Copy)]

@@ -15,7 +15,7 @@ use super::views::{Frame, Known, Look, Pair, View};
 use crate::best::Best;
 use crate::line::Line;
 use crate::plan::PlanSettings;
-use crate::plane::scene::Scene;
+use crate::scene::{Proof, Scene};
 
 /// Intervals of directions at the start, if all are allowed.
 const FIRST_DIRECTIONS: usize = 64;
@@ -34,15 +34,6 @@ const SHIFTED: usize = 3;
 
 /// Views of every member that are looked at from a coarse box.
 const COARSE_VIEWS: usize = 2;
-
-/// What was proved.
-pub(crate) struct Proof {
-    /// No usable path of margin ≥ m has a score below this.
-    pub bound: f64,
-    /// All boxes are closed.
-    pub proved: bool,
-    pub num_boxes: u64,
-}
 
 /// An interval of directions and one of places across, about the middle of the scene.
 #[derive(Debug, Clone)]

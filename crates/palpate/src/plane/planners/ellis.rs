@@ -18,7 +18,8 @@ use super::sheaves::{Edge, Placed, ProjectionSpace};
 use crate::best::Best;
 use crate::plan::PlanSettings;
 use crate::plane::pose::Pose;
-use crate::plane::scene::Scene;
+use crate::plane::thesis::Placement;
+use crate::scene::Scene;
 
 /// What the thesis's search did, in its own units (3.5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -162,7 +163,7 @@ pub(crate) fn ellis(best: &mut Best<'_>, settings: &PlanSettings, late: &dyn Fn(
 fn edges(scene: &Scene, members: &[usize]) -> Vec<Edge> {
     let mut edges = Vec::new();
     for (place, &member) in members.iter().enumerate() {
-        let placement = &scene.placements[member];
+        let placement = Placement::new(&scene.poses[member], &scene.views[member]);
         for (number, face) in scene.shadows[member].model().faces.iter().enumerate() {
             if !face.is_touchable() {
                 continue;

@@ -18,8 +18,8 @@ use crate::best::Best;
 use crate::plan::PlanSettings;
 use crate::plane::arc::wrap;
 use crate::plane::pose::Pose;
-use crate::plane::scene::Scene;
 use crate::plane::{Face, Vertex};
+use crate::scene::Scene;
 use crate::tree::Range;
 
 /// A rendered bucket: depth, and how far the normal is turned from the way back; `None` if nothing is met.

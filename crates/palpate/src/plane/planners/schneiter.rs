@@ -24,7 +24,7 @@ use super::whole;
 use crate::best::Best;
 use crate::line::Line;
 use crate::plan::PlanSettings;
-use crate::plane::scene::Scene;
+use crate::scene::Scene;
 
 /// So many start points are tried for each channel.
 const NUM_STARTS: usize = 128;

@@ -12,7 +12,7 @@ use glam::{DVec2, dvec2};
 use crate::line::Line;
 use crate::plane::arc::wrap;
 use crate::plane::pose::Pose;
-use crate::plane::scene::Scene;
+use crate::scene::Scene;
 use crate::tree::Range;
 
 /// A face of a hypothesis where the thesis places it.

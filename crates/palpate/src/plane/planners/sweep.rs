@@ -13,7 +13,7 @@ use crate::best::Best;
 use crate::line::Line;
 use crate::plan::Stop;
 use crate::plane::arc::wrap;
-use crate::plane::scene::Scene;
+use crate::scene::Scene;
 
 /// Directions of the first round, and of the second, if the first finds nothing that is good enough.
 const ROUNDS: [usize; 2] = [72, 360];
@@ -234,11 +234,7 @@ impl Scene {
         match (a, b) {
             (None, None) => true,
             (Some(a), Some(b)) => {
-                (a.0 - b.0).abs() + depth <= 2.0 * self.sensor.position_error
-                    && self
-                        .sensor
-                        .normal_error
-                        .is_none_or(|error| wrap(a.1 - b.1).abs() + angle <= 2.0 * error)
+                self.sensor.confuses((a.0 - b.0).abs() + depth, || wrap(a.1 - b.1).abs() + angle)
             }
             _ => false,
         }

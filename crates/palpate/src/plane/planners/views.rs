@@ -9,7 +9,7 @@ use glam::DVec2;
 use super::complete::LineBox;
 use crate::plane::model::Face;
 use crate::plane::pose::Pose;
-use crate::plane::scene::Scene;
+use crate::scene::Scene;
 use crate::tree::Range;
 
 /// What every line of a box may meet of a view.
