@@ -71,7 +71,7 @@ impl<'a, V: Dimension> Best<'a, V> {
         if let Some(listener) = &mut self.listener {
             listener(line);
         }
-        let Ok(outcomes) = self.scene.outcomes(line, self.members, 0.0) else { return false };
+        let Some(outcomes) = self.scene.outcomes(line, self.members, 0.0) else { return false };
         let verdict = Verdict::new(&outcomes, &self.scene.sensor);
         let left = match self.aim {
             Aim::Score => verdict.num_left(),

@@ -39,6 +39,12 @@ pub trait Shadow<V: Dimension>: Debug + Send + Sync {
     /// What may be met first, over all poses. With a larger margin it only grows (`docs/theory.md`, T12).
     fn outcome(&self, ask: &Question<'_, V>) -> Outcome<V>;
 
+    /// The same, if there is no fault in it.
+    fn usable_outcome(&self, ask: &Question<'_, V>) -> Option<Outcome<V>> {
+        let outcome = self.outcome(ask);
+        outcome.fault.is_none().then_some(outcome)
+    }
+
     /// Whether the line is usable and surely touches, at all poses.
     fn surely_touched(&self, ask: &Question<'_, V>) -> bool {
         let outcome = self.outcome(ask);
@@ -209,21 +215,10 @@ impl<V: Dimension> Scene<V> {
             .any(|(turn, shift)| turn * self.size <= self.margin && shift <= self.margin)
     }
 
-    /// What the members can answer to a line, everything widened by `margin`. Stops at the first that makes it unusable.
-    pub fn outcomes(
-        &self,
-        line: &Line<V>,
-        members: &[usize],
-        margin: f64,
-    ) -> Result<Vec<Outcome<V>>, Vec<Outcome<V>>> {
-        let mut outcomes = Vec::with_capacity(members.len());
-        for &member in members {
-            outcomes.push(self.outcome(line, member, margin, f64::INFINITY));
-            if outcomes.last().is_some_and(|outcome| outcome.fault.is_some()) {
-                return Err(outcomes);
-            }
-        }
-        Ok(outcomes)
+    /// What the members can answer to a line, everything widened by `margin`; `None` if one of them makes it unusable.
+    pub fn outcomes(&self, line: &Line<V>, members: &[usize], margin: f64) -> Option<Vec<Outcome<V>>> {
+        let ask = self.question(line, margin, f64::INFINITY);
+        members.iter().map(|member| self.shadows[*member].usable_outcome(&ask)).collect()
     }
 
     /// What a member can answer within a length of the line, everything widened by `margin`.
@@ -288,7 +283,7 @@ impl<V: Dimension> Scene<V> {
 
     /// The verdict on a line among the members; `None` if it can't be used.
     pub fn verdict(&self, line: &Line<V>, members: &[usize], margin: f64) -> Option<Verdict> {
-        self.outcomes(line, members, margin).ok().map(|outcomes| Verdict::new(&outcomes, &self.sensor))
+        self.outcomes(line, members, margin).map(|outcomes| Verdict::new(&outcomes, &self.sensor))
     }
 
     /// Whether a line, everything widened by the margin, stays usable and separates all that the verdict does.

@@ -120,12 +120,8 @@ impl<V: Dimension> Lines<V> {
 
 /// What a line tells of everyone.
 fn relation<V: Dimension>(scene: &Scene<V>, everyone: &[usize], line: &Line<V>) -> Relation {
-    let outcomes: Vec<Outcome<V>> = everyone
-        .iter()
-        .flat_map(|member| match scene.outcomes(line, &[*member], 0.0) {
-            Ok(outcomes) | Err(outcomes) => outcomes,
-        })
-        .collect();
+    let outcomes: Vec<Outcome<V>> =
+        everyone.iter().map(|member| scene.outcome(line, *member, 0.0, f64::INFINITY)).collect();
     let with = |test: &dyn Fn(usize) -> bool| (0..outcomes.len()).filter(|k| test(*k)).map(bit).sum::<Set>();
     let faults = with(&|k| outcomes[k].fault.is_some());
     let left =

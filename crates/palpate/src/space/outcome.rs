@@ -17,6 +17,7 @@ use crate::judge::{Fault, Outcome, Rules, Touch};
 use crate::line::Line;
 use crate::part::Surface;
 use crate::plane::Arc;
+use crate::scene::Question;
 use crate::sensor::{Sensor, Stem};
 use crate::tree::Range;
 
@@ -25,6 +26,9 @@ const SIDELONG: f64 = 1e-3;
 
 /// Edges nearer to the line's direction than this, radians, are met with any of their normals.
 const ALONG: f64 = 0.05;
+
+/// A range of depths that is this share of the sensor's error wide needs no closer look.
+const FINE: f64 = 0.25;
 
 /// Computed depths are wrong by no more than this share of the size of what is seen.
 const ROUNDING: f64 = 1e-9;
@@ -35,8 +39,8 @@ const COVERED: [f64; 5] = [0.0, 0.0625, 0.125, 0.25, 0.5];
 /// Pieces into which the way of a stem is divided, at most.
 const MOST_PIECES: usize = 400;
 
-/// What is asked of a hypothesis: what this line may meet first, with this sensor. All ranges are wider by what is granted.
-struct Question<'a> {
+/// What is asked, and what is granted: all ranges are wider by it.
+struct Granted<'a> {
     line: &'a Line<DVec3>,
     sensor: &'a Sensor,
     rules: Rules,
@@ -68,24 +72,22 @@ enum Place {
 }
 
 impl Shadow {
-    /// What the line may meet first, over all poses; everything is wider by a margin, a length and an angle.
+    /// What the line may meet first, over all poses, or over the first cells, so many that it is as `enough` wants it; everything
+    /// is wider by a margin, a length and an angle.
     ///
     /// The allowance widens everything before nearer contacts hide farther ones, so that with a larger one the outcome only
     /// grows (`docs/theory.md`, T12, T21).
-    pub fn outcome(
+    pub(super) fn outcome(
         &self,
-        line: &Line<DVec3>,
-        sensor: &Sensor,
-        rules: Rules,
-        margin: f64,
-        angle_margin: f64,
-        length: f64,
+        ask: &Question<'_, DVec3>,
+        enough: impl Fn(&Outcome<DVec3>) -> bool,
     ) -> Outcome<DVec3> {
+        let &Question { line, sensor, rules, margin, angle_margin, length } = ask;
         let (miss, turn) = self.asymmetry;
         let depth = self.model.position_slack + miss + margin;
         let aside = sensor.path_error + depth;
         let angle = self.model.normal_slack + turn + angle_margin;
-        let ask = Question { line, sensor, rules, aside, depth, angle, length };
+        let ask = Granted { line, sensor, rules, aside, depth, angle, length };
         let mut outcome = Outcome::default();
         if self.is_passed(&ask) {
             outcome.may_miss = true;
@@ -94,19 +96,22 @@ impl Shadow {
         for cell in &self.cells {
             let mut ray = Ray::new(self, cell, line);
             self.in_cell(&mut ray, &ask, &mut outcome);
+            if enough(&outcome) {
+                break;
+            }
         }
         outcome.touches.sort_by_key(|touch| touch.feature);
         outcome
     }
 
     /// Whether the line, and a stem, come nowhere near the part.
-    fn is_passed(&self, ask: &Question<'_>) -> bool {
+    fn is_passed(&self, ask: &Granted<'_>) -> bool {
         let (along, aside) = ask.line.depth_and_aside(self.middle);
         let reach = self.radius + ask.sensor.tip_radius + ask.aside;
         ask.sensor.stem.is_none() && (aside > reach || along < -reach)
     }
 
-    fn in_cell(&self, ray: &mut Ray<'_>, ask: &Question<'_>, outcome: &mut Outcome<DVec3>) {
+    fn in_cell(&self, ray: &mut Ray<'_>, ask: &Granted<'_>, outcome: &mut Outcome<DVec3>) {
         let radius = ask.sensor.tip_radius;
         // The tip must be clear of the part where it starts.
         let keep = radius + ask.aside;
@@ -189,7 +194,7 @@ impl Shadow {
     /// At depth `t` the tip's centre is at `q(t)`. With `g = n·q(t₀) − offset − r` at a depth `t₀`, it meets the face's plane
     /// at `t = t₀ − g/(n·u)`, where along a direction `e` of the plane it has `(e − f n)·q(t₀) + f (offset + r)`, with
     /// `f = (e·u)/(n·u)`; over the cell `f` changes by no more than the turn over the squared cosine of the incidence.
-    fn on_face(&self, ray: &mut Ray<'_>, number: u32, ask: &Question<'_>) -> (Option<Possible>, Option<f64>) {
+    fn on_face(&self, ray: &mut Ray<'_>, number: u32, ask: &Granted<'_>) -> (Option<Possible>, Option<f64>) {
         let face = &self.model.faces[number as usize];
         let turned = ray.cell.radius;
         let mut away = angle(-ray.direction, face.normal);
@@ -241,8 +246,11 @@ impl Shadow {
         if place == Place::Outside || ray.is_empty() {
             return (None, None);
         }
-        let closest = ray.range(normal, depth, true);
-        let gap = Range { low: gap.low.max(closest.low), high: gap.high.min(closest.high) };
+        // What is far below the sensor's error tells nothing.
+        if gap.high - gap.low > FINE * ask.sensor.position_error {
+            let closest = ray.range(normal, depth, true);
+            gap = Range { low: gap.low.max(closest.low), high: gap.high.min(closest.high) };
+        }
         let gap = gap.widened(ask.aside * steepest.sin());
         let fastest = (away - turned).max(0.0).cos();
         let beyond = |value: f64, upper: bool| {
@@ -255,7 +263,7 @@ impl Shadow {
     }
 
     /// Depths at which a face that is seen nearly edge-on may be met, if the line may come near it.
-    fn sidelong(&self, ray: &Ray<'_>, face: &Face, ask: &Question<'_>) -> Option<Range> {
+    fn sidelong(&self, ray: &Ray<'_>, face: &Face, ask: &Granted<'_>) -> Option<Range> {
         let keep = ask.sensor.tip_radius + ask.aside;
         let corners = || face.loops.iter().flatten().map(|k| self.model.vertices[*k as usize].point);
         let motion = corners().map(|corner| ray.motion_near(corner, keep)).fold(0.0, f64::max);
@@ -279,7 +287,7 @@ impl Shadow {
     ///
     /// Near the edge no pose has the line further than `motion` from where the middle has it: the tip meets the edge no sooner
     /// than a ball so much larger does, and no later than one so much smaller.
-    fn on_edge(&self, ray: &Ray<'_>, number: u32, ask: &Question<'_>) -> Option<Possible> {
+    fn on_edge(&self, ray: &Ray<'_>, number: u32, ask: &Granted<'_>) -> Option<Possible> {
         let rim = self.edges[number as usize]?;
         let ends = self.model.edges[number as usize].ends.map(|end| self.model.vertices[end as usize].point);
         let radius = ask.sensor.tip_radius;
@@ -303,7 +311,7 @@ impl Shadow {
         rim: Rim,
         [a, b]: [DVec3; 2],
         loose: f64,
-        ask: &Question<'_>,
+        ask: &Granted<'_>,
     ) -> Option<Cap> {
         let turned = ray.cell.radius;
         let Some([first, second]) = rim.normals else { return Some(Cap::around(-ask.line.direction, PI)) };
@@ -344,7 +352,7 @@ impl Shadow {
     }
 
     /// A contact of a ball with a vertex that sticks out.
-    fn on_vertex(&self, ray: &Ray<'_>, number: u32, ask: &Question<'_>) -> Option<Possible> {
+    fn on_vertex(&self, ray: &Ray<'_>, number: u32, ask: &Granted<'_>) -> Option<Possible> {
         let (axis, spread, touchable) = self.vertices[number as usize]?;
         let point = self.model.vertices[number as usize].point;
         let radius = ask.sensor.tip_radius;
@@ -371,7 +379,7 @@ impl Shadow {
 
     /// A depth by which the line has surely met the part, though no face of it is sure: there the tip's centre is deep enough
     /// in the part, or near enough to it, that no pose has it clear. It is looked for along what the part covers of the line.
-    fn surely_met(&self, ray: &Ray<'_>, ask: &Question<'_>) -> Option<f64> {
+    fn surely_met(&self, ray: &Ray<'_>, ask: &Granted<'_>) -> Option<f64> {
         let first = self.model.first_hit(ray.start, ray.direction)?.distance;
         let beyond = first + ROUNDING.sqrt() * self.model.size;
         let covered = self.model.first_hit(ray.at(beyond), ray.direction).map_or(0.0, |hit| hit.distance);
@@ -384,7 +392,7 @@ impl Shadow {
     /// Whether the stem touches nothing while the tip goes to a depth, at any pose of the cell.
     ///
     /// Until it touches, the tip's centre is its radius away from the part: what is of the stem that near to it is clear.
-    fn stem_is_clear(&self, ray: &Ray<'_>, ask: &Question<'_>, stem: &Stem, depth: f64) -> bool {
+    fn stem_is_clear(&self, ray: &Ray<'_>, ask: &Granted<'_>, stem: &Stem, depth: f64) -> bool {
         let rod = ray.cell.turn * stem.direction;
         let beyond = ask.line.start.distance(self.middle) + self.radius + stem.length;
         let far = depth.min(beyond) + ask.depth;
@@ -467,7 +475,7 @@ fn sides<'a>(shadow: &'a Shadow, face: &'a Face) -> impl Iterator<Item = [DVec3;
 }
 
 /// Incidences beyond the largest that is reliable, and what can't be touched.
-fn fault_at(normals: Cap, touchable: bool, ask: &Question<'_>) -> Option<Fault> {
+fn fault_at(normals: Cap, touchable: bool, ask: &Granted<'_>) -> Option<Fault> {
     if !touchable {
         return Some(Fault::Untouchable);
     }

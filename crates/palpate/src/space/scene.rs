@@ -32,7 +32,12 @@ impl scene::Shadow<DVec3> for Shadow {
     }
 
     fn outcome(&self, ask: &Question<'_, DVec3>) -> Outcome<DVec3> {
-        self.outcome(ask.line, ask.sensor, ask.rules, ask.margin, ask.angle_margin, ask.length)
+        self.outcome(ask, |_| false)
+    }
+
+    fn usable_outcome(&self, ask: &Question<'_, DVec3>) -> Option<Outcome<DVec3>> {
+        let outcome = self.outcome(ask, |outcome| outcome.fault.is_some());
+        outcome.fault.is_none().then_some(outcome)
     }
 }
 
@@ -40,8 +45,13 @@ impl Scene<DVec3> {
     /// The line of a direction through a point. It begins on the border of the workspace, or clear of everything; `None` if
     /// it does not enter the workspace or comes from a direction that is not allowed.
     pub fn line(&self, direction: DVec3, through: DVec3) -> Option<Line<DVec3>> {
-        let allowed = |(axis, cone)| Dimension::angle_between(axis, direction) <= cone + ROUNDING;
-        if self.directions.is_none_or(allowed) { self.begun(direction, through) } else { None }
+        if self.allows(direction) { self.begun(direction, through) } else { None }
+    }
+
+    /// Whether paths may go so.
+    pub fn allows(&self, direction: DVec3) -> bool {
+        let within = |(axis, cone)| Dimension::angle_between(axis, direction) <= cone + ROUNDING;
+        self.directions.is_none_or(within)
     }
 
     /// Allowed directions, evenly spread: as many as would be `count` if all were (a Fibonacci lattice).
@@ -161,9 +171,9 @@ mod tests {
         for cone in [PI, 1.2, 0.3, 0.0] {
             let axis = dvec3(1.0, -2.0, 0.5);
             let scene = scene(&PlanSettings { directions: Some((axis, cone)), ..PlanSettings::default() });
-            let count = 4000.0;
-            let directions: Vec<DVec3> = scene.directions(4000).collect();
-            assert_eq!(directions.len() as f64, (count * 0.5 * (1.0 - cone.cos())).ceil().max(1.0));
+            let count = 4000;
+            let directions: Vec<DVec3> = scene.directions(count).collect();
+            assert_eq!(directions.len(), ((count as f64 * 0.5 * (1.0 - cone.cos())).ceil() as usize).max(1));
             for direction in &directions {
                 assert!((direction.length() - 1.0).abs() < 1e-12);
                 assert!(scene.line(*direction, DVec3::ZERO).is_some(), "{direction} is not allowed");

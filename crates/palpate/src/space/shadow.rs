@@ -15,7 +15,7 @@ use crate::tree::Range;
 
 /// A hypothesis over all its poses, made ready for lines.
 #[derive(Debug)]
-pub(crate) struct Shadow {
+pub struct Shadow {
     pub(super) model: Shared<Model>,
     pub(super) cells: Vec<PlacedCell>,
     /// The world point at which the model point `y` of a pose is.
@@ -33,9 +33,9 @@ pub(crate) struct Shadow {
     /// The normals of each vertex that sticks out: around an axis, radians; and whether a tip may rest there.
     pub(super) vertices: Vec<Option<(DVec3, f64, bool)>>,
     /// A ball around every place of every vertex.
-    pub middle: DVec3,
+    pub(super) middle: DVec3,
     /// Its radius.
-    pub radius: f64,
+    pub(super) radius: f64,
 }
 
 /// Normals that a ball may meet an edge with: from one to the other the short way, or all across it where faces are loose.
@@ -77,7 +77,7 @@ pub(super) struct Ray<'a> {
 }
 
 impl Shadow {
-    pub fn new(poses: &PoseSet) -> Self {
+    pub(super) fn new(poses: &PoseSet) -> Self {
         let model = Shared::clone(poses.model());
         let outward = poses.outward();
         let cells = poses.placed().into_iter().map(|(cell, linearized)| PlacedCell::new(&cell, linearized));
@@ -111,7 +111,7 @@ impl Shadow {
         }
     }
 
-    pub fn model(&self) -> &Model {
+    pub(super) fn model(&self) -> &Model {
         &self.model
     }
 }

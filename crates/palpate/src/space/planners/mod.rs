@@ -1,68 +1,15 @@
 //! Planners propose lines; the judge says what they are worth.
 
+mod polish;
+mod rendering;
+mod sweep;
+
 use glam::DVec3;
-use rayon::prelude::*;
 
-use super::scene::places;
 use crate::best::Best;
-use crate::line::Line;
 use crate::plan::PlanSettings;
-use crate::scene::Scene;
 
-/// Directions that are tried, if all are allowed.
-const NUM_DIRECTIONS: usize = 96;
-
-/// So many lines are looked at from one view of each hypothesis, at most.
-const MOST_LINES: usize = 20_000;
-
-/// So many are looked at from all views, at most.
-const MOST_LOOKED_AT: usize = 600;
-
-/// So many are judged, at most, unless the search is to be thorough.
-const MOST_JUDGED: usize = 48;
-
-/// Offers lines to `best`: in evenly spread directions through places of all faces, those that tell most at a few poses
-/// first.
+/// Offers lines to `best`, as the settings say.
 pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
-    let (scene, members) = (best.scene, best.members);
-    let mut proposals = promising(scene, members, lines(scene, members), 1);
-    proposals.truncate(MOST_LOOKED_AT);
-    let proposals = proposals.into_iter().map(|(_, line)| line).collect();
-    let proposals = promising(scene, members, proposals, usize::MAX);
-    let most = if best.thorough { MOST_LOOKED_AT } else { MOST_JUDGED };
-    for (left, line) in proposals.iter().take(most) {
-        let spent = best.num_judged >= settings.effort || late();
-        if best.enough(settings.stop) || best.hopeless(*left) || spent {
-            return;
-        }
-        best.offer(line);
-    }
-}
-
-/// Through each place that looks toward it, in each direction; if those are too many, some of them.
-fn lines(scene: &Scene<DVec3>, members: &[usize]) -> Vec<Line<DVec3>> {
-    let steepest = scene.sensor.max_incidence.cos();
-    let mut lines = Vec::new();
-    for &member in members {
-        let places: Vec<_> = places(scene.shadows[member].model(), scene.views[member][0]).collect();
-        for direction in scene.directions(NUM_DIRECTIONS) {
-            let toward = places.iter().filter(|(_, normal)| -normal.dot(direction) >= steepest);
-            lines.extend(toward.filter_map(|(place, _)| scene.line(direction, *place)));
-        }
-    }
-    let step = lines.len().div_ceil(MOST_LINES).max(1);
-    lines.into_iter().step_by(step).collect()
-}
-
-/// Those that seem usable from so many views, and how many pairs they seem to leave; the fewest first.
-fn promising(
-    scene: &Scene<DVec3>,
-    members: &[usize],
-    lines: Vec<Line<DVec3>>,
-    num_views: usize,
-) -> Vec<(usize, Line<DVec3>)> {
-    let looked_at = |line: Line<DVec3>| Some((scene.glance(&line, members, num_views)?, line));
-    let mut proposals: Vec<_> = lines.into_par_iter().filter_map(looked_at).collect();
-    proposals.sort_by_key(|(left, _)| *left);
-    proposals
+    sweep::sweep(best, settings, late);
 }

@@ -1,0 +1,102 @@
+//! Lines moved to where the faces that they meet leave them the most room (MATH 2.5, row 79).
+//!
+//! To first order, how far a line passes inside of a face's side is linear in its two shifts and its two slopes: the largest
+//! least room is a linear program, the four-parameter form of the thesis's optimization (5.2) as MATH corrects it.
+
+use glam::DVec3;
+
+use crate::line::Line;
+use crate::scene::Scene;
+use crate::space::lp::{Program, Row};
+
+/// Steps, each of which is linear.
+const STEPS: usize = 3;
+
+/// A step turns by no more than this, radians, and shifts by no more than this share of the size.
+const MOST_TURN: f64 = 0.2;
+const MOST_SHIFT: f64 = 0.2;
+
+/// Two shifts, two slopes, the room.
+const WIDTH: usize = 5;
+
+/// The line with the most room around it, near a line that meets faces, that meets the same faces at all views; `None`: it is
+/// the line itself, or it meets none.
+pub(super) fn polished(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Option<Line<DVec3>> {
+    let mut best = *line;
+    let mut room = f64::NEG_INFINITY;
+    for step in 0..=STEPS {
+        let rows = rows(scene, members, &best)?;
+        let reached = rows.iter().filter(|row| row.normal[WIDTH - 1] > 0.0);
+        let now = reached.map(|row| row.bound).fold(f64::INFINITY, f64::min);
+        if step == STEPS || !now.is_finite() || now <= room + 1e-3 * scene.margin {
+            break;
+        }
+        room = now;
+        let shift = MOST_SHIFT * scene.size;
+        let half = [shift, shift, MOST_TURN, MOST_TURN, scene.size];
+        let mut objective = [0.0; WIDTH];
+        objective[WIDTH - 1] = 1.0;
+        let optimum = Program::new(rows.into_iter(), half).maximize(&objective);
+        let [x, y, a, b, _] = optimum.point;
+        let (right, up) = best.direction.any_orthonormal_pair();
+        let direction = (best.direction + a * right + b * up).normalize();
+        let point = pivot(scene, &best) + x * right + y * up;
+        let Some(next) = scene.line(direction, point) else { break };
+        if features(scene, members, &next) != features(scene, members, &best) {
+            break;
+        }
+        best = next;
+    }
+    (best != *line).then_some(best)
+}
+
+/// The point of a line that is nearest to the middle of the scene.
+fn pivot(scene: &Scene<DVec3>, line: &Line<DVec3>) -> DVec3 {
+    line.at(line.depth_and_aside(scene.middle).0)
+}
+
+/// What is met at each view.
+fn features(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Vec<Option<crate::Feature>> {
+    let views =
+        members.iter().flat_map(|member| scene.views[*member].iter().map(move |pose| (*member, *pose)));
+    views.map(|(member, pose)| scene.contact(member, pose, line).map(|met| met.feature)).collect()
+}
+
+/// That the line stays inside of the sides of the faces it meets, by the room, and within the largest incidence.
+fn rows(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Option<Vec<Row<WIDTH>>> {
+    let (right, up) = line.direction.any_orthonormal_pair();
+    let pivot = pivot(scene, line);
+    let flattest = scene.sensor.max_incidence.cos();
+    let mut rows = Vec::new();
+    for &member in members {
+        let model = scene.shadows[member].model();
+        for pose in &scene.views[member] {
+            let Some(met) = scene.contact(member, *pose, line) else { continue };
+            let crate::Feature::Face(number) = met.feature else { return None };
+            let face = &model.faces[number as usize];
+            let place = line.at(met.depth) - scene.sensor.tip_radius * met.normal;
+            let in_model = pose.inverse().apply(place);
+            // A convex piece of the face stands for it.
+            let piece = face.pieces.iter().find(|piece| {
+                let corners = || piece.iter().map(|k| model.vertices[*k as usize].point);
+                let mut sides = corners().zip(corners().cycle().skip(1));
+                sides.all(|(a, b)| face.normal.cross(b - a).dot(in_model - a) >= 0.0)
+            })?;
+            let moved = scene.sensor.tip_radius * met.normal;
+            let at = |k: &u32| pose.apply(model.vertices[*k as usize].point) + moved;
+            for (a, b) in piece.iter().map(at).zip(piece.iter().cycle().skip(1).map(at)) {
+                // Across the line and the side, away from the face.
+                let Some(out) = (b - a).cross(line.direction).try_normalize() else { continue };
+                let out = if out.dot(0.5 * (a + b) - line.at(met.depth)) < 0.0 { -out } else { out };
+                let depth = line.direction.dot(line.at(met.depth) - pivot);
+                let bound = out.dot(a - line.start);
+                let (x, y) = (out.dot(right), out.dot(up));
+                rows.push(Row { normal: [x, y, depth * x, depth * y, 1.0], bound });
+            }
+            let slack = -met.normal.dot(line.direction) - flattest;
+            let normal = [0.0, 0.0, met.normal.dot(right), met.normal.dot(up), 0.0];
+            rows.push(Row { normal, bound: slack });
+        }
+    }
+    Some(rows)
+}
