@@ -263,7 +263,7 @@ class Model:
 
         Args:
             world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
-            start: Where the centre of the tip begins, shape `(2,)`, world frame. The tip is to be clear of the part there:
+            start: Where the centre of the tip begins, shape `(d,)`, world frame. The tip is to be clear of the part there:
                 `distance` of it is above `tip_radius`.
             direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
             tip_radius: Radius of the tip; zero or more.
@@ -794,6 +794,7 @@ class Sensor:
         max_incidence: float,
         tip_radius: float = 0.0,
         path_error: float = 0.0,
+        stem: tuple[ArrayLike, float, float] | None = None,
     ) -> Sensor:
         """A sensor of points and, unless `normal_error` is None, of normals.
 
@@ -805,9 +806,12 @@ class Sensor:
                 radians, between 0 and π/2.
             tip_radius: Radius of the tip; zero or more.
             path_error: How far the tip may leave its line; zero or more.
+            stem: What carries the tip, in space: a rod from its centre along a direction, shape `(3,)`, world frame, of any length
+                but zero; the rod's radius, zero or more; how far it goes, above zero. It must not touch before the tip does.
+                None: nothing that may touch.
 
         Raises:
-            ValueError: A bound that is negative, out of its range or not finite.
+            ValueError: A bound that is negative, out of its range or not finite; something else for a stem.
         """
 
     @property
@@ -825,6 +829,9 @@ class Sensor:
     @property
     def path_error(self) -> float:
         """How far the tip may leave its line."""
+    @property
+    def stem(self) -> tuple[NDArray[float64], float, float] | None:
+        """What carries the tip: unit direction from its centre, shape `(3,)`, world frame, radius and length. None: nothing."""
     def __eq__(self, other: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
@@ -855,27 +862,28 @@ def plan(
     `time_limit` cuts the search short. An interrupt (Ctrl-C) ends it.
 
     Args:
-        hypotheses: `found.hypotheses` of a recognition, or some of them. Lengths are in the unit of their models.
+        hypotheses: `found.hypotheses` of a recognition, or some of them, all of the plane (d = 2) or all of space (d = 3).
+            Lengths are in the unit of their models.
         sensor: Bounds of the next reading.
-        planner: Where candidates come from. `"auto"`: evenly spaced directions, quick, then `"grimson"` and `"complete"`
-            where these tell nothing. `"complete"`: all lines; no usable path of margin m or more has a better score, or
-            `PlanReport.bound` says how much better at most. `"ellis"`: the thesis's search (3.1 to 3.3, 4.1). `"grimson"`,
-            `"schneiter"`: 5.4.2, 5.4.3.
+        planner: Where candidates come from. `"auto"`: evenly spaced directions, quick; in the plane then `"grimson"` and
+            `"complete"` where these tell nothing. All others are of the plane. `"complete"`: all lines; no usable path of
+            margin m or more has a better score, or `PlanReport.bound` says how much better at most. `"ellis"`: the
+            thesis's search (3.1 to 3.3, 4.1). `"grimson"`, `"schneiter"`: 5.4.2, 5.4.3.
         stop: When a path is good enough (3.4): `"perfect"`, all are separated; `("unique", k)`, it identifies k
             hypotheses, whichever of them is true; `("share", f)`, this share of them, above 0 and at most 1.
-        workspace: Two opposite corners, shape `(2, 2)`, world frame: paths begin at the border of this rectangle. None:
-            just outside of all hypotheses.
-        directions: A direction of travel, shape `(2,)`, world frame, of any length, and an angle in radians, zero to π:
+        workspace: Two opposite corners, shape `(2, d)`, world frame: paths begin at the border of this rectangle or box.
+            None: just outside of all hypotheses.
+        directions: A direction of travel, shape `(d,)`, world frame, of any length, and an angle in radians, zero to π:
             only directions within this angle of it are allowed. None: all.
         time_limit: Seconds. The best path found by then is returned.
         effort: Boxes of lines that `"complete"` may examine, lines that the thesis's planners may judge; 1 or more. None:
             two million. A limit that gives the same answer everywhere.
         seed: For the poses that are drawn from the sets.
-        features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
+        features: Kinds of features that may be touched first. None: faces, and edges and vertices if the tip has a radius.
         avoid_assigned: Never touch a face that a contact is assigned to (1.1).
         margin: m, as a share of the largest part's size, 1e-6 to 0.1: paths are wanted that tell the same when they are
             shifted by m.
-        tried: Lines that were moved along before, each a start and a direction, shape `(2,)`, world frame. One within m of
+        tried: Lines that were moved along before, each a start and a direction, shape `(d,)`, world frame. One within m of
             them is no answer, unless it is certain to tell something.
         cells: Grid of `"grimson"` (8 to 16384) and `"schneiter"` (8 to 2048). None: 256.
         directions_tried: Directions that `"grimson"` tries, 1 to 7200. None: 72.
@@ -884,7 +892,8 @@ def plan(
         The path; None if one hypothesis is left, or if no path was found that can be used: `plan_report` says which.
 
     Raises:
-        ValueError: No hypotheses, something else among them, an unknown planner, a number out of range.
+        ValueError: No hypotheses, something else among them, the plane mixed with space, a planner that is unknown there, a
+            number out of range.
     """
 
 def plan_report(
@@ -945,11 +954,11 @@ def judge(
     Args:
         hypotheses: As for `plan`.
         sensor: Bounds of the next reading.
-        start: Where the centre of the tip begins, shape `(2,)`, world frame.
-        direction: Direction of travel, shape `(2,)`, world frame, of any length but zero. A unit vector is kept bit for bit:
+        start: Where the centre of the tip begins, shape `(d,)`, world frame.
+        direction: Direction of travel, shape `(d,)`, world frame, of any length but zero. A unit vector is kept bit for bit:
             start, direction and length of a path give that path again.
         length: How far to go, above zero. None: past the last possible contact.
-        features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
+        features: Kinds of features that may be touched first. None: faces, and edges and vertices if the tip has a radius.
         avoid_assigned: Whether a face that a contact is assigned to must not be touched first.
         margin: m, as a share of the largest part's size; `Path.margin` is told in eighths of it.
         seed: For the poses over which the expected score is taken.
@@ -1040,7 +1049,7 @@ def refuting_moves(
 
     Args:
         hypotheses: As for `plan`.
-        moves: Each a start, shape `(2,)`, world frame, a direction of any length but zero, the length that the tip was to go at
+        moves: Each a start, shape `(d,)`, world frame, a direction of any length but zero, the length that the tip was to go at
             most, the bounds of this reading as a sensor, and the contact that was met, or None.
 
     Raises:
@@ -1105,16 +1114,16 @@ class Path:
 
     @property
     def start(self) -> NDArray[float64]:
-        """Where the centre of the tip begins, shape `(2,)`, world frame: clear of all that any hypothesis may occupy."""
+        """Where the centre of the tip begins, shape `(d,)`, world frame: clear of all that any hypothesis may occupy."""
     @property
     def direction(self) -> NDArray[float64]:
-        """Unit direction of travel, shape `(2,)`, world frame."""
+        """Unit direction of travel, shape `(d,)`, world frame."""
     @property
     def length(self) -> float:
         """How far to go: past the last possible contact. Who gets so far has missed."""
     @property
     def end(self) -> NDArray[float64]:
-        """`start + length * direction`, shape `(2,)`, world frame."""
+        """`start + length * direction`, shape `(d,)`, world frame."""
     @property
     def margin(self) -> float:
         """All that it separates stays separated, and it stays usable, when it is shifted by this; to an eighth of m."""
@@ -1143,15 +1152,16 @@ class Path:
     def outcomes(self) -> list[Outcome]:
         """What each of `members` can answer, in their order."""
     @property
-    def fault(self) -> tuple[int, Literal["start", "skid", "untouchable", "kind", "assigned"]] | None:
+    def fault(self) -> tuple[int, Literal["start", "skid", "untouchable", "kind", "assigned", "stem"]] | None:
         """Why it can't be used, and because of which hypothesis; the first of `faults`. None: it can be used."""
     @property
-    def faults(self) -> list[tuple[int, Literal["start", "skid", "untouchable", "kind", "assigned"]]]:
+    def faults(self) -> list[tuple[int, Literal["start", "skid", "untouchable", "kind", "assigned", "stem"]]]:
         """For each hypothesis that makes it unusable, its number and why.
 
         `"start"`: it does not start clear. `"skid"`: it may be touched first at more than the largest reliable incidence.
         `"untouchable"`: on a face that can't be touched, or on the back of a loose one. `"kind"`: on a feature of a kind
-        that may not be touched. `"assigned"`: on a face that a contact is assigned to, which was to be avoided.
+        that may not be touched. `"assigned"`: on a face that a contact is assigned to, which was to be avoided. `"stem"`: the
+        stem of the probe may touch it before the tip does.
         """
     def outcome_of(self, contact: Contact | None) -> list[int]:
         """The hypotheses that could have given a reading (3.4).
@@ -1183,7 +1193,7 @@ class Outcome:
     def may_miss(self) -> bool:
         """Whether the path may pass it by."""
     @property
-    def fault(self) -> Literal["start", "skid", "untouchable", "kind", "assigned"] | None:
+    def fault(self) -> Literal["start", "skid", "untouchable", "kind", "assigned", "stem"] | None:
         """Why it makes the path unusable, as in `Path.faults`."""
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
@@ -1193,7 +1203,7 @@ class Touch:
     """A first contact that a path may make with a hypothesis, somewhere among its poses."""
 
     @property
-    def feature(self) -> tuple[Literal["face", "vertex"], int]:
+    def feature(self) -> tuple[Literal["face", "edge", "vertex"], int]:
         """Kind and number of what is touched."""
     @property
     def depth(self) -> tuple[float, float]:
@@ -1202,8 +1212,14 @@ class Touch:
     def normals(self) -> tuple[float, float]:
         """Outward normals at the contact, from one angle counter-clockwise to the other; radians, world frame.
 
-        The second is not below the first, and may be above π.
+        The second is not below the first, and may be above π. In the plane only.
+
+        Raises:
+            ValueError: A touch in space.
         """
+    @property
+    def normal_cap(self) -> tuple[NDArray[float64], float]:
+        """A unit vector, shape `(d,)`, world frame, and the angle from it, radians, within which outward normals at the contact are."""
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
 
@@ -1223,7 +1239,7 @@ class Lines:
         margin: float = 1e-3,
         seed: int = 0,
     ) -> Lines:
-        """For lines through all that the hypotheses may occupy.
+        """For lines through all that the hypotheses may occupy. In the plane only.
 
         Args:
             hypotheses: As for `plan`.
@@ -1286,6 +1302,8 @@ def projection_space(
     margin: float = 1e-3,
 ) -> ProjectionSpace:
     """The projection space of a face, with the best path that the planner `"ellis"` finds through it (3.1 to 3.3).
+
+    In the plane only.
 
     Args:
         hypotheses: As for `plan`.

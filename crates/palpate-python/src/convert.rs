@@ -132,8 +132,8 @@ pub(crate) fn any_vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<I
     }
 }
 
-/// A direction of the plane, shape `(2,)`, of any length but zero; made unit.
-pub(crate) fn direction(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<DVec2> {
+/// A direction, shape `(d,)`, of any length but zero; made unit.
+pub(crate) fn direction<V: Vector>(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<V> {
     let nowhere = || refuse(argument, "must not be zero", value, "give a direction, of any length");
     palpate::plan::normalized(vector(argument, value)?).ok_or_else(nowhere)
 }
@@ -168,6 +168,18 @@ pub(crate) fn array_of(
     } else {
         Err(misshapen(argument, value, shown, &array, other))
     }
+}
+
+/// Two opposite corners, shape `(2, d)`, that bound an area, or a volume: the lower one first.
+pub(crate) fn corners<V: Vector>(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<[V; 2]> {
+    let numbers = array_of(argument, value, [2, V::DIMENSION], Some(other::<V>()))?;
+    let (a, b) = numbers.split_at(V::DIMENSION);
+    if a.iter().zip(b).any(|(a, b)| a == b) {
+        let what = if V::DIMENSION == DVec2::DIMENSION { "an area" } else { "a volume" };
+        return Err(refuse(argument, &format!("must have {what}"), value, "give two opposite corners"));
+    }
+    let [a, b] = [a, b].map(V::from_coordinates);
+    Ok([a.min(b), a.max(b)])
 }
 
 /// A point that may be left out.

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use palpate::{Contact, Dimension, Error, Hypothesis, Miss, Recognition, plane, space};
+use palpate::{
+    AmbiguityTree, Contact, Dimension, Error, Hypothesis, Miss, Outcome, Path, Plan, Recognition, Touch,
+    plane, space,
+};
 
 /// Something of the plane, or its like in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +41,12 @@ pub(crate) type AnyMiss = In<Miss<DVec2>, Miss<DVec3>>;
 pub(crate) type AnyPrior = In<palpate::Prior, space::Prior>;
 pub(crate) type AnyHypothesis = In<Hypothesis<DVec2>, Hypothesis<DVec3>>;
 pub(crate) type AnyRecognition = In<Recognition<DVec2>, Recognition<DVec3>>;
+pub(crate) type AnyHypotheses = In<Vec<Hypothesis<DVec2>>, Vec<Hypothesis<DVec3>>>;
+pub(crate) type AnyPlan = In<Plan<DVec2>, Plan<DVec3>>;
+pub(crate) type AnyPath = In<Path<DVec2>, Path<DVec3>>;
+pub(crate) type AnyOutcome = In<Outcome<DVec2>, Outcome<DVec3>>;
+pub(crate) type AnyTouch = In<Touch<DVec2>, Touch<DVec3>>;
+pub(crate) type AnyTree = In<AmbiguityTree<DVec2>, AmbiguityTree<DVec3>>;
 
 impl<P, S> In<P, S> {
     pub fn dimension(&self) -> usize {
@@ -90,9 +99,16 @@ pub(crate) trait Vector:
     + Side<palpate::Prior, space::Prior, One = Self::Prior>
     + Side<Hypothesis<DVec2>, Hypothesis<DVec3>, One = Hypothesis<Self>>
     + Side<Recognition<DVec2>, Recognition<DVec3>, One = Recognition<Self>>
+    + Side<Plan<DVec2>, Plan<DVec3>, One = Plan<Self>>
+    + Side<Path<DVec2>, Path<DVec3>, One = Path<Self>>
+    + Side<Outcome<DVec2>, Outcome<DVec3>, One = Outcome<Self>>
+    + Side<Touch<DVec2>, Touch<DVec3>, One = Touch<Self>>
+    + Side<AmbiguityTree<DVec2>, AmbiguityTree<DVec3>, One = AmbiguityTree<Self>>
 {
     /// How many coordinates.
     const DIMENSION: usize;
+    /// The other one, as one speaks of it.
+    const OTHER: &'static str;
 
     /// From as many numbers.
     fn from_coordinates(coordinates: &[f64]) -> Self;
@@ -100,6 +116,7 @@ pub(crate) trait Vector:
 
 impl Vector for DVec2 {
     const DIMENSION: usize = 2;
+    const OTHER: &'static str = DVec3::NAME;
 
     fn from_coordinates(coordinates: &[f64]) -> Self {
         Self::from_slice(coordinates)
@@ -108,6 +125,7 @@ impl Vector for DVec2 {
 
 impl Vector for DVec3 {
     const DIMENSION: usize = 3;
+    const OTHER: &'static str = DVec2::NAME;
 
     fn from_coordinates(coordinates: &[f64]) -> Self {
         Self::from_slice(coordinates)

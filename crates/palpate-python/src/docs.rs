@@ -160,7 +160,7 @@ A point that meets a corner meets one of its faces. In the plane only.
 
 Args:
     world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
-    start: Where the centre of the tip begins, shape `(2,)`, world frame. The tip is to be clear of the part there:
+    start: Where the centre of the tip begins, shape `(d,)`, world frame. The tip is to be clear of the part there:
         `distance` of it is above `tip_radius`.
     direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
     tip_radius: Radius of the tip; zero or more.
@@ -574,9 +574,12 @@ Args:
         radians, between 0 and π/2.
     tip_radius: Radius of the tip; zero or more.
     path_error: How far the tip may leave its line; zero or more.
+    stem: What carries the tip, in space: a rod from its centre along a direction, shape `(3,)`, world frame, of any length
+        but zero; the rod's radius, zero or more; how far it goes, above zero. It must not touch before the tip does.
+        None: nothing that may touch.
 
 Raises:
-    ValueError: A bound that is negative, out of its range or not finite."
+    ValueError: A bound that is negative, out of its range or not finite; something else for a stem."
     };
     ("Sensor.position_error") => {
         r"Bound on the distance of the sensed centre from the true one."
@@ -593,6 +596,9 @@ Raises:
     ("Sensor.path_error") => {
         r"How far the tip may leave its line."
     };
+    ("Sensor.stem") => {
+        r"What carries the tip: unit direction from its centre, shape `(3,)`, world frame, radius and length. None: nothing."
+    };
     ("plan") => {
         r#"The straight guarded move that tells the hypotheses apart best (chapter 3).
 
@@ -602,27 +608,28 @@ are equal, the smallest `expected_score`, the largest `margin`, the shortest way
 `time_limit` cuts the search short. An interrupt (Ctrl-C) ends it.
 
 Args:
-    hypotheses: `found.hypotheses` of a recognition, or some of them. Lengths are in the unit of their models.
+    hypotheses: `found.hypotheses` of a recognition, or some of them, all of the plane (d = 2) or all of space (d = 3).
+        Lengths are in the unit of their models.
     sensor: Bounds of the next reading.
-    planner: Where candidates come from. `"auto"`: evenly spaced directions, quick, then `"grimson"` and `"complete"`
-        where these tell nothing. `"complete"`: all lines; no usable path of margin m or more has a better score, or
-        `PlanReport.bound` says how much better at most. `"ellis"`: the thesis's search (3.1 to 3.3, 4.1). `"grimson"`,
-        `"schneiter"`: 5.4.2, 5.4.3.
+    planner: Where candidates come from. `"auto"`: evenly spaced directions, quick; in the plane then `"grimson"` and
+        `"complete"` where these tell nothing. All others are of the plane. `"complete"`: all lines; no usable path of
+        margin m or more has a better score, or `PlanReport.bound` says how much better at most. `"ellis"`: the
+        thesis's search (3.1 to 3.3, 4.1). `"grimson"`, `"schneiter"`: 5.4.2, 5.4.3.
     stop: When a path is good enough (3.4): `"perfect"`, all are separated; `("unique", k)`, it identifies k
         hypotheses, whichever of them is true; `("share", f)`, this share of them, above 0 and at most 1.
-    workspace: Two opposite corners, shape `(2, 2)`, world frame: paths begin at the border of this rectangle. None:
-        just outside of all hypotheses.
-    directions: A direction of travel, shape `(2,)`, world frame, of any length, and an angle in radians, zero to π:
+    workspace: Two opposite corners, shape `(2, d)`, world frame: paths begin at the border of this rectangle or box.
+        None: just outside of all hypotheses.
+    directions: A direction of travel, shape `(d,)`, world frame, of any length, and an angle in radians, zero to π:
         only directions within this angle of it are allowed. None: all.
     time_limit: Seconds. The best path found by then is returned.
     effort: Boxes of lines that `"complete"` may examine, lines that the thesis's planners may judge; 1 or more. None:
         two million. A limit that gives the same answer everywhere.
     seed: For the poses that are drawn from the sets.
-    features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
+    features: Kinds of features that may be touched first. None: faces, and edges and vertices if the tip has a radius.
     avoid_assigned: Never touch a face that a contact is assigned to (1.1).
     margin: m, as a share of the largest part's size, 1e-6 to 0.1: paths are wanted that tell the same when they are
         shifted by m.
-    tried: Lines that were moved along before, each a start and a direction, shape `(2,)`, world frame. One within m of
+    tried: Lines that were moved along before, each a start and a direction, shape `(d,)`, world frame. One within m of
         them is no answer, unless it is certain to tell something.
     cells: Grid of `"grimson"` (8 to 16384) and `"schneiter"` (8 to 2048). None: 256.
     directions_tried: Directions that `"grimson"` tries, 1 to 7200. None: 72.
@@ -631,7 +638,8 @@ Returns:
     The path; None if one hypothesis is left, or if no path was found that can be used: `plan_report` says which.
 
 Raises:
-    ValueError: No hypotheses, something else among them, an unknown planner, a number out of range."#
+    ValueError: No hypotheses, something else among them, the plane mixed with space, a planner that is unknown there, a
+        number out of range."#
     };
     ("plan_report") => {
         r"The path of `plan`, and what is known of the paths that were not found.
@@ -662,11 +670,11 @@ Raises:
 Args:
     hypotheses: As for `plan`.
     sensor: Bounds of the next reading.
-    start: Where the centre of the tip begins, shape `(2,)`, world frame.
-    direction: Direction of travel, shape `(2,)`, world frame, of any length but zero. A unit vector is kept bit for bit:
+    start: Where the centre of the tip begins, shape `(d,)`, world frame.
+    direction: Direction of travel, shape `(d,)`, world frame, of any length but zero. A unit vector is kept bit for bit:
         start, direction and length of a path give that path again.
     length: How far to go, above zero. None: past the last possible contact.
-    features: Kinds of features that may be touched first. None: faces, and vertices if the tip has a radius.
+    features: Kinds of features that may be touched first. None: faces, and edges and vertices if the tip has a radius.
     avoid_assigned: Whether a face that a contact is assigned to must not be touched first.
     margin: m, as a share of the largest part's size; `Path.margin` is told in eighths of it.
     seed: For the poses over which the expected score is taken.
@@ -728,7 +736,7 @@ As `judge(...).outcome_of(contact)` of each move says, quickly.
 
 Args:
     hypotheses: As for `plan`.
-    moves: Each a start, shape `(2,)`, world frame, a direction of any length but zero, the length that the tip was to go at
+    moves: Each a start, shape `(d,)`, world frame, a direction of any length but zero, the length that the tip was to go at
         most, the bounds of this reading as a sensor, and the contact that was met, or None.
 
 Raises:
@@ -773,16 +781,16 @@ certain to tell anything; `path` may still be expected to. `"no_usable_path"`: p
 Numbers are those of the hypotheses that were given, from 0. Immutable; equal if all numbers are equal."
     };
     ("Path.start") => {
-        r"Where the centre of the tip begins, shape `(2,)`, world frame: clear of all that any hypothesis may occupy."
+        r"Where the centre of the tip begins, shape `(d,)`, world frame: clear of all that any hypothesis may occupy."
     };
     ("Path.direction") => {
-        r"Unit direction of travel, shape `(2,)`, world frame."
+        r"Unit direction of travel, shape `(d,)`, world frame."
     };
     ("Path.length") => {
         r"How far to go: past the last possible contact. Who gets so far has missed."
     };
     ("Path.end") => {
-        r"`start + length * direction`, shape `(2,)`, world frame."
+        r"`start + length * direction`, shape `(d,)`, world frame."
     };
     ("Path.margin") => {
         r"All that it separates stays separated, and it stays usable, when it is shifted by this; to an eighth of m."
@@ -818,7 +826,8 @@ Numbers are those of the hypotheses that were given, from 0. Immutable; equal if
 
 `"start"`: it does not start clear. `"skid"`: it may be touched first at more than the largest reliable incidence.
 `"untouchable"`: on a face that can't be touched, or on the back of a loose one. `"kind"`: on a feature of a kind
-that may not be touched. `"assigned"`: on a face that a contact is assigned to, which was to be avoided."#
+that may not be touched. `"assigned"`: on a face that a contact is assigned to, which was to be avoided. `"stem"`: the
+stem of the probe may touch it before the tip does."#
     };
     ("Path.outcome_of") => {
         r"The hypotheses that could have given a reading (3.4).
@@ -860,12 +869,18 @@ Raises:
     ("Touch.normals") => {
         r"Outward normals at the contact, from one angle counter-clockwise to the other; radians, world frame.
 
-The second is not below the first, and may be above π."
+The second is not below the first, and may be above π. In the plane only.
+
+Raises:
+    ValueError: A touch in space."
+    };
+    ("Touch.normal_cap") => {
+        r"A unit vector, shape `(d,)`, world frame, and the angle from it, radians, within which outward normals at the contact are."
     };
     ("Lines") => {
         r"Hypotheses made ready for many lines, each numbered by its angle and its offset (3.1).
 
-For lines through all that the hypotheses may occupy.
+For lines through all that the hypotheses may occupy. In the plane only.
 
 Args:
     hypotheses: As for `plan`.
@@ -911,6 +926,8 @@ Raises:
     };
     ("projection_space") => {
         r#"The projection space of a face, with the best path that the planner `"ellis"` finds through it (3.1 to 3.3).
+
+In the plane only.
 
 Args:
     hypotheses: As for `plan`.

@@ -7,10 +7,11 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 
 use crate::convert::{number, numbers, raise, vector_array};
+use crate::dimension::In;
 use crate::interrupt::interruptible;
 use crate::options::{JUDGED, Options, PLACED};
 use crate::path::PyPath;
-use crate::plan::{hypotheses, sensor};
+use crate::plan::{planar, sensor};
 
 type Any<'py> = Bound<'py, PyAny>;
 
@@ -35,7 +36,7 @@ impl PyLines {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let options = Options::read("Lines", options, &[JUDGED, PLACED])?;
-        let (hypotheses, sensor) = (self::hypotheses(hypotheses)?, self::sensor(sensor)?);
+        let (hypotheses, sensor) = (planar("Lines", hypotheses)?, self::sensor(sensor)?);
         let prepared = py.detach(|| Prepared::new(&hypotheses, &sensor, &options.settings)).map_err(raise)?;
         Ok(Self { prepared, tip_radius: sensor.tip_radius })
     }
@@ -84,7 +85,7 @@ impl PyLines {
             return Err(raise(palpate::Error::new(name, "must be finite", value, "give a finite number")));
         }
         let path = py.detach(|| Some(self.prepared.judge(&self.prepared.line(angle, offset)?)));
-        Ok(path.map(|path| PyPath::new(path, self.tip_radius)))
+        Ok(path.map(|path| PyPath::new(In::Plane(path), self.tip_radius)))
     }
 
     fn __repr__(&self) -> String {

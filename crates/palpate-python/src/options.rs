@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use glam::dvec2;
+use glam::DVec3;
 use palpate::Line;
 use palpate::recognize::Halt;
 use palpate::{PlanSettings, Planner, Stop, TreeMethod, TreeSettings};
@@ -10,7 +10,8 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyBoolMethods, PyDict};
 
-use crate::convert::{array_of, members, number, refuse, text, vector, whole};
+use crate::convert::{corners, members, number, raise, refuse, text, vector, whole};
+use crate::dimension::Vector;
 use crate::recognize::kinds;
 
 type Any<'py> = Bound<'py, PyAny>;
@@ -31,19 +32,24 @@ pub(crate) const GROWN: &[&str] = &["method", "max_nodes"];
 const LONGEST: f64 = 3.2e7;
 
 /// Settings of the core, and what is not its business.
-#[derive(Default)]
-pub(crate) struct Options {
-    pub settings: PlanSettings,
+pub(crate) struct Options<V> {
+    pub settings: PlanSettings<V>,
     pub tree: TreeSettings,
     pub time_limit: Option<Duration>,
     cells: Option<usize>,
     directions_tried: Option<usize>,
 }
 
-impl Options {
+impl<V: Vector> Options<V> {
     /// Those of a call of `function`, which takes the names in `known`.
     pub fn read(function: &str, given: Option<&Bound<'_, PyDict>>, known: &[&[&str]]) -> PyResult<Self> {
-        let mut options = Self::default();
+        let mut options = Self {
+            settings: PlanSettings::default(),
+            tree: TreeSettings::default(),
+            time_limit: None,
+            cells: None,
+            directions_tried: None,
+        };
         for (name, value) in given.into_iter().flatten() {
             let name: String = name.extract()?;
             if !known.iter().any(|names| names.contains(&name.as_str())) {
@@ -72,9 +78,9 @@ impl Options {
         }
         let settings = &mut self.settings;
         match name {
-            "planner" => settings.planner = planner(value)?,
+            "planner" => settings.planner = planner::<V>(value)?,
             "stop" => settings.stop = stop(value)?,
-            "workspace" => settings.workspace = Some(workspace(value)?),
+            "workspace" => settings.workspace = Some(corners("workspace", value)?),
             "directions" => settings.directions = Some(directions(value)?),
             "tried" => settings.tried = lines("tried", value)?,
             "time_limit" => self.time_limit = Some(time_limit(value)?),
@@ -87,17 +93,18 @@ impl Options {
             "method" => self.tree.method = method(value)?,
             "max_nodes" => self.tree.max_nodes = whole(name, value, 0)? as usize,
             _ => {
-                let kinds = kinds(value, false)?;
+                let in_space = V::DIMENSION == DVec3::DIMENSION;
+                let kinds = kinds(value, in_space)?;
                 if kinds.is_empty() {
-                    return Err(refuse(
-                        "features",
-                        "must not be empty",
-                        value,
-                        "give \"face\", \"vertex\" or both",
-                    ));
+                    let others =
+                        if in_space { "\"edge\", \"vertex\" or several" } else { "\"vertex\" or both" };
+                    let remedy = format!("give \"face\", {others}");
+                    return Err(refuse("features", "must not be empty", value, &remedy));
                 }
-                settings.faces = kinds.iter().any(|kind| kind == "face");
-                settings.vertices = Some(kinds.iter().any(|kind| kind == "vertex"));
+                let named = |name: &str| kinds.iter().any(|kind| kind == name);
+                settings.faces = named("face");
+                settings.edges = Some(named("edge"));
+                settings.vertices = Some(named("vertex"));
             }
         }
         Ok(())
@@ -118,7 +125,7 @@ impl Options {
             Some((name, value)) => {
                 let problem = "the planner has no such grid";
                 let remedy = "leave it out, or plan with \"grimson\" or, for cells, \"schneiter\"";
-                Err(crate::convert::raise(palpate::Error::new(name, problem, value, remedy)))
+                Err(raise(palpate::Error::new(name, problem, value, remedy)))
             }
             None => Ok(()),
         }
@@ -163,16 +170,10 @@ impl Deadline {
     }
 }
 
-fn planner(value: &Any<'_>) -> PyResult<Planner> {
-    const REMEDY: &str = "give \"auto\", \"complete\", \"ellis\", \"grimson\" or \"schneiter\"";
-    match text("planner", value)?.as_str() {
-        "auto" => Ok(Planner::Auto),
-        "complete" => Ok(Planner::Complete),
-        "ellis" => Ok(Planner::Ellis),
-        "grimson" => Ok(Planner::GRIMSON),
-        "schneiter" => Ok(Planner::SCHNEITER),
-        _ => Err(refuse("planner", "unknown planner", value, REMEDY)),
-    }
+/// A planner of the plane or of space. Whether it is of the dimension is for the core to say.
+fn planner<V: Vector>(value: &Any<'_>) -> PyResult<Planner> {
+    let unknown = || refuse("planner", "unknown planner", value, &Planner::remedy::<V>());
+    Planner::named(&text("planner", value)?).ok_or_else(unknown)
 }
 
 fn method(value: &Any<'_>) -> PyResult<TreeMethod> {
@@ -200,26 +201,18 @@ fn stop(value: &Any<'_>) -> PyResult<Stop> {
     }
 }
 
-fn workspace(value: &Any<'_>) -> PyResult<[glam::DVec2; 2]> {
-    let corners = array_of("workspace", value, [2, 2], Some(3))?;
-    let [a, b] = [dvec2(corners[0], corners[1]), dvec2(corners[2], corners[3])];
-    if a.x == b.x || a.y == b.y {
-        return Err(refuse("workspace", "must have an area", value, "give two opposite corners"));
-    }
-    Ok([a.min(b), a.max(b)])
-}
-
-fn directions(value: &Any<'_>) -> PyResult<(glam::DVec2, f64)> {
-    let remedy = "give ((dx, dy), half_angle), the angle in radians";
-    let parts = members("directions", value, "a direction and a half angle", remedy)?;
+fn directions<V: Vector>(value: &Any<'_>) -> PyResult<(V, f64)> {
+    let components = ["dx", "dy", "dz"][..V::DIMENSION].join(", ");
+    let remedy = format!("give (({components}), half_angle), the angle in radians");
+    let parts = members("directions", value, "a direction and a half angle", &remedy)?;
     let [axis, half] = parts.as_slice() else {
-        return Err(refuse("directions", "must be a direction and a half angle", value, remedy));
+        return Err(refuse("directions", "must be a direction and a half angle", value, &remedy));
     };
     Ok((vector("directions[0]", axis)?, number("directions[1]", half)?))
 }
 
 /// Lines, each a start and a direction, which is made unit.
-fn lines(argument: &str, value: &Any<'_>) -> PyResult<Vec<Line>> {
+fn lines<V: Vector>(argument: &str, value: &Any<'_>) -> PyResult<Vec<Line<V>>> {
     let listed = members(argument, value, "lines", "give [(path.start, path.direction), ...]")?;
     let read = |(k, pair): (usize, &Any<'_>)| {
         let place = format!("{argument}[{k}]");
@@ -231,7 +224,7 @@ fn lines(argument: &str, value: &Any<'_>) -> PyResult<Vec<Line>> {
 }
 
 /// A start and a direction, as they are.
-pub(crate) fn line(argument: &str, value: &Any<'_>) -> PyResult<Line> {
+pub(crate) fn line<V: Vector>(argument: &str, value: &Any<'_>) -> PyResult<Line<V>> {
     let [start, direction] = ends(argument, value)?;
     let read = |k: usize, value: &Any<'_>| vector(&format!("{argument}[{k}]"), value);
     Ok(Line { start: read(0, &start)?, direction: read(1, &direction)? })

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
 use numpy::PyArray1;
-use palpate::{Fault, Outcome, Path, Touch};
+use palpate::judge::Normals;
+use palpate::{Fault, Path, Reading, Touch};
 use pyo3::prelude::*;
 
 use crate::contact::PyContact;
-use crate::convert::{decimal, decimals, refuse, vector_array};
-use crate::dimension::In;
+use crate::convert::{decimal, decimals, plane_only, refuse, vector_array};
+use crate::dimension::{AnyOutcome, AnyPath, AnyTouch, In, Vector};
 
 type Any<'py> = Bound<'py, PyAny>;
 
@@ -20,7 +20,7 @@ type Members = Arc<Vec<usize>>;
 #[pyclass(name = "Path", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyPath {
-    path: Path,
+    path: AnyPath,
     members: Members,
     tip_radius: f64,
 }
@@ -29,14 +29,14 @@ pub(crate) struct PyPath {
 #[pyclass(name = "Outcome", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyOutcome {
-    outcome: Outcome,
+    outcome: AnyOutcome,
     hypothesis: usize,
 }
 
 #[doc = doc!("Touch")]
 #[pyclass(name = "Touch", module = "palpate._core", frozen, eq)]
 #[derive(PartialEq)]
-pub(crate) struct PyTouch(Touch);
+pub(crate) struct PyTouch(AnyTouch);
 
 fn fault_name(fault: Fault) -> &'static str {
     match fault {
@@ -51,13 +51,13 @@ fn fault_name(fault: Fault) -> &'static str {
 
 impl PyPath {
     /// A path among the members.
-    pub(crate) fn among(path: Path, members: Vec<usize>, tip_radius: f64) -> Self {
+    pub(crate) fn among(path: AnyPath, members: Vec<usize>, tip_radius: f64) -> Self {
         Self { path, members: Arc::new(members), tip_radius }
     }
 
     /// A path among all hypotheses.
-    pub(crate) fn new(path: Path, tip_radius: f64) -> Self {
-        let members = (0..path.outcomes.len()).collect();
+    pub(crate) fn new(path: AnyPath, tip_radius: f64) -> Self {
+        let members = (0..either!(&path, path => path.outcomes.len())).collect();
         Self::among(path, members, tip_radius)
     }
 
@@ -71,49 +71,49 @@ impl PyPath {
     #[doc = doc!("Path.start")]
     #[getter]
     fn start<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        vector_array(py, self.path.line.start)
+        either!(&self.path, path => vector_array(py, path.line.start))
     }
 
     #[doc = doc!("Path.direction")]
     #[getter]
     fn direction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        vector_array(py, self.path.line.direction)
+        either!(&self.path, path => vector_array(py, path.line.direction))
     }
 
     #[doc = doc!("Path.length")]
     #[getter]
     fn length(&self) -> f64 {
-        self.path.length
+        either!(&self.path, path => path.length)
     }
 
     #[doc = doc!("Path.end")]
     #[getter]
     fn end<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        vector_array(py, self.path.line.at(self.path.length))
+        either!(&self.path, path => vector_array(py, path.line.at(path.length)))
     }
 
     #[doc = doc!("Path.margin")]
     #[getter]
     fn margin(&self) -> f64 {
-        self.path.margin
+        either!(&self.path, path => path.margin)
     }
 
     #[doc = doc!("Path.score")]
     #[getter]
     fn score(&self) -> f64 {
-        self.path.score
+        either!(&self.path, path => path.score)
     }
 
     #[doc = doc!("Path.expected_score")]
     #[getter]
     fn expected_score(&self) -> f64 {
-        self.path.expected_score
+        either!(&self.path, path => path.expected_score)
     }
 
     #[doc = doc!("Path.guaranteed")]
     #[getter]
     fn guaranteed(&self) -> bool {
-        self.path.guaranteed()
+        either!(&self.path, path => path.guaranteed())
     }
 
     #[doc = doc!("Path.members")]
@@ -125,61 +125,56 @@ impl PyPath {
     #[doc = doc!("Path.classes")]
     #[getter]
     fn classes(&self) -> Vec<Vec<usize>> {
-        self.path.classes.iter().map(|class| self.numbers(class)).collect()
+        either!(&self.path, path => &path.classes).iter().map(|class| self.numbers(class)).collect()
     }
 
     #[doc = doc!("Path.no_contact")]
     #[getter]
     fn no_contact(&self) -> Vec<usize> {
-        self.numbers(&self.path.no_contact)
+        self.numbers(either!(&self.path, path => &path.no_contact))
     }
 
     #[doc = doc!("Path.outcomes")]
     #[getter]
     fn outcomes(&self) -> Vec<PyOutcome> {
-        let of = |(outcome, hypothesis): (&Outcome, &usize)| PyOutcome {
-            outcome: outcome.clone(),
-            hypothesis: *hypothesis,
-        };
-        self.path.outcomes.iter().zip(self.members.iter()).map(of).collect()
+        either!(&self.path, path => self.outcomes_of(path))
     }
 
     #[doc = doc!("Path.fault")]
     #[getter]
     fn fault(&self) -> Option<(usize, &'static str)> {
-        self.path.fault.map(|(place, fault)| (self.members[place], fault_name(fault)))
+        let fault = either!(&self.path, path => path.fault);
+        fault.map(|(place, fault)| (self.members[place], fault_name(fault)))
     }
 
     #[doc = doc!("Path.faults")]
     #[getter]
     fn faults(&self) -> Vec<(usize, &'static str)> {
-        let named = |(outcome, member): (&Outcome, &usize)| Some((*member, fault_name(outcome.fault?)));
-        self.path.outcomes.iter().zip(self.members.iter()).filter_map(named).collect()
+        self.outcomes().iter().filter_map(|one| Some((one.hypothesis, one.fault()?))).collect()
     }
 
     #[doc = doc!("Path.outcome_of")]
     #[pyo3(signature = (contact))]
     fn outcome_of(&self, contact: &Any<'_>) -> PyResult<Vec<usize>> {
-        let reading = if contact.is_none() { None } else { Some(self.contact(contact)?) };
-        let reading = reading.map(|(center, normal)| self.path.reading(center, normal));
-        Ok(self.numbers(&self.path.outcome_of(reading)))
+        either!(&self.path, path => {
+            let reading = if contact.is_none() { None } else { Some(self.reading(path, contact)?) };
+            Ok(self.numbers(&path.outcome_of(reading)))
+        })
     }
 
     fn __repr__(&self) -> String {
-        let (start, angle) = (self.path.line.start, self.path.line.direction.to_angle().to_degrees());
-        let [x, y] = start.to_array().map(|length| decimal(length, decimals(self.path.length)));
-        let (score, n) = (self.path.score, self.members.len());
-        let told = match self.path.fault {
-            Some((_, fault)) => format!("can't be used: {}", fault_name(fault)),
-            None => format!("score {score:.4} of {n}"),
-        };
-        format!("<Path from ({x}, {y}) at {}°, {told}>", decimal(angle, 3))
+        either!(&self.path, path => self.shown(path))
     }
 }
 
 impl PyPath {
-    /// Centre and normal of a contact that the path may have met.
-    fn contact(&self, given: &Any<'_>) -> PyResult<(DVec2, Option<DVec2>)> {
+    fn outcomes_of<V: Vector>(&self, path: &Path<V>) -> Vec<PyOutcome> {
+        let outcomes = path.outcomes.iter().map(|outcome| V::within(outcome.clone()));
+        outcomes.zip(self.members.iter()).map(|(outcome, k)| PyOutcome { outcome, hypothesis: *k }).collect()
+    }
+
+    /// A contact as the path may have met it.
+    fn reading<V: Vector>(&self, path: &Path<V>, given: &Any<'_>) -> PyResult<Reading<V>> {
         let Ok(contact) = given.cast::<PyContact>() else {
             return Err(refuse(
                 "contact",
@@ -188,16 +183,34 @@ impl PyPath {
                 "give palpate.Contact, or None for a miss",
             ));
         };
-        let In::Plane(contact) = contact.get().0 else {
-            let problem = "is of space; the path is of the plane";
-            return Err(refuse("contact", problem, given, "give a contact of 2 coordinates"));
+        let Some(contact) = V::of(&contact.get().0) else {
+            let problem = format!("is of {}; the path is of {}", V::OTHER, V::NAME);
+            let remedy = format!("give a contact of {} coordinates", V::DIMENSION);
+            return Err(refuse("contact", &problem, given, &remedy));
         };
         if contact.tip_radius != self.tip_radius {
             let problem = format!("must have the sensor's tip radius {:?}", self.tip_radius);
             let remedy = "make it with Contact.from_tip and that radius";
             return Err(refuse("contact", &problem, given, remedy));
         }
-        Ok((contact.center, contact.normal.map(|normal| normal.direction)))
+        Ok(path.reading(contact.center, contact.normal.map(|normal| normal.direction)))
+    }
+
+    fn shown<V: Vector>(&self, path: &Path<V>) -> String {
+        let told = match path.fault {
+            Some((_, fault)) => format!("can't be used: {}", fault_name(fault)),
+            None => format!("score {:.4} of {}", path.score, self.members.len()),
+        };
+        let rounded = |vector: V, digits: usize| {
+            let coordinates: Vec<String> =
+                vector.coordinates().iter().map(|one| decimal(*one, digits)).collect();
+            format!("({})", coordinates.join(", "))
+        };
+        let way = match path.line.direction.angle() {
+            Some(angle) => format!("at {}°", decimal(angle.to_degrees(), 3)),
+            None => format!("along {}", rounded(path.line.direction, 6)),
+        };
+        format!("<Path from {} {way}, {told}>", rounded(path.line.start, decimals(path.length)))
     }
 }
 
@@ -212,37 +225,35 @@ impl PyOutcome {
     #[doc = doc!("Outcome.touches")]
     #[getter]
     fn touches(&self) -> Vec<PyTouch> {
-        self.outcome.touches.iter().copied().map(PyTouch).collect()
+        either!(&self.outcome, outcome => touches(&outcome.touches))
     }
 
     #[doc = doc!("Outcome.may_miss")]
     #[getter]
     fn may_miss(&self) -> bool {
-        self.outcome.may_miss
+        either!(&self.outcome, outcome => outcome.may_miss)
     }
 
     #[doc = doc!("Outcome.fault")]
     #[getter]
     fn fault(&self) -> Option<&'static str> {
-        self.outcome.fault.map(fault_name)
+        either!(&self.outcome, outcome => outcome.fault).map(fault_name)
     }
 
     fn __repr__(&self) -> String {
-        let mut answers: Vec<String> = self.outcome.touches.iter().map(|touch| described(*touch)).collect();
-        if self.outcome.may_miss {
+        let mut answers: Vec<String> = self.touches().iter().map(PyTouch::described).collect();
+        if self.may_miss() {
             answers.push("a miss".to_owned());
         }
-        if let Some(fault) = self.outcome.fault {
-            answers.push(format!("fault {}", fault_name(fault)));
+        if let Some(fault) = self.fault() {
+            answers.push(format!("fault {fault}"));
         }
         format!("<Outcome of {}: {}>", self.hypothesis, answers.join(", "))
     }
 }
 
-fn described(touch: Touch) -> String {
-    let (kind, number) = (touch.feature.kind(), touch.feature.number());
-    let [low, high] = [touch.depth.low, touch.depth.high].map(|depth| decimal(depth, decimals(depth)));
-    format!("{kind} {number} at depth {low} to {high}")
+fn touches<V: Vector>(touches: &[Touch<V>]) -> Vec<PyTouch> {
+    touches.iter().map(|touch| PyTouch(V::within(*touch))).collect()
 }
 
 #[pymethods]
@@ -250,22 +261,44 @@ impl PyTouch {
     #[doc = doc!("Touch.feature")]
     #[getter]
     fn feature(&self) -> (&'static str, u32) {
-        (self.0.feature.kind(), self.0.feature.number())
+        let feature = either!(&self.0, touch => touch.feature);
+        (feature.kind(), feature.number())
     }
 
     #[doc = doc!("Touch.depth")]
     #[getter]
     fn depth(&self) -> (f64, f64) {
-        (self.0.depth.low, self.0.depth.high)
+        let depth = either!(&self.0, touch => touch.depth);
+        (depth.low, depth.high)
     }
 
     #[doc = doc!("Touch.normals")]
     #[getter]
-    fn normals(&self) -> (f64, f64) {
-        (self.0.normals.start, self.0.normals.start + self.0.normals.width)
+    fn normals(&self) -> PyResult<(f64, f64)> {
+        match &self.0 {
+            In::Plane(touch) => Ok((touch.normals.start, touch.normals.start + touch.normals.width)),
+            In::Space(_) => Err(plane_only("normals", "a touch in space", "ask for normal_cap")),
+        }
+    }
+
+    #[doc = doc!("Touch.normal_cap")]
+    #[getter]
+    fn normal_cap<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray1<f64>>, f64)> {
+        either!(&self.0, touch => {
+            let (axis, angle) = touch.normals.cap();
+            Ok((vector_array(py, axis)?, angle))
+        })
     }
 
     fn __repr__(&self) -> String {
-        format!("<Touch: {}>", described(self.0))
+        format!("<Touch: {}>", self.described())
+    }
+}
+
+impl PyTouch {
+    fn described(&self) -> String {
+        let ((kind, number), (low, high)) = (self.feature(), self.depth());
+        let [low, high] = [low, high].map(|depth| decimal(depth, decimals(depth)));
+        format!("{kind} {number} at depth {low} to {high}")
     }
 }

@@ -1,18 +1,18 @@
 //! The next path.
 
-use palpate::Line;
-use palpate::{Hypothesis, Move, Plan, Verification, Why};
+use glam::{DVec2, DVec3};
+use palpate::{Hypothesis, Line, Move, Plan, Sensor, Verification, Why};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contact::PyContact;
 use crate::convert::{members, number, raise, refuse, vector};
-use crate::dimension::In;
+use crate::dimension::{AnyHypotheses, AnyHypothesis, AnyPlan, In, Vector};
 use crate::hypothesis::PyHypothesis;
 use crate::interrupt::interruptible;
 use crate::options::{JUDGED, Options, PLACED, REMEMBERED, SEARCHED, line};
 use crate::path::PyPath;
-use crate::recognize::all;
+use crate::recognize::{all, sorted};
 use crate::sensor::PySensor;
 
 type Any<'py> = Bound<'py, PyAny>;
@@ -20,37 +20,49 @@ type Any<'py> = Bound<'py, PyAny>;
 #[doc = doc!("PlanReport")]
 #[pyclass(name = "PlanReport", module = "palpate._core", frozen)]
 pub(crate) struct PyPlanReport {
-    plan: Plan,
+    plan: AnyPlan,
     path: Option<Py<PyPath>>,
     why: Why,
 }
 
-/// Hypotheses of a recognition.
-pub(crate) fn hypotheses(value: &Any<'_>) -> PyResult<Vec<Hypothesis>> {
-    let remedy = "give found.hypotheses of a recognition";
-    let given = all::<PyHypothesis>("hypotheses", value, "Hypothesis", remedy)?;
-    given.iter().enumerate().map(|(k, one)| planar(&format!("hypotheses[{k}]"), one)).collect()
-}
-
-/// A hypothesis of a part in the plane.
-fn planar(argument: &str, given: &Bound<'_, PyHypothesis>) -> PyResult<Hypothesis> {
-    match &given.get().hypothesis {
-        In::Plane(hypothesis) => Ok(hypothesis.clone()),
-        In::Space(_) => {
-            let problem = "is of a part in space; planning works in the plane only";
-            Err(refuse(argument, problem, given, "give hypotheses of models of dimension 2"))
-        }
+/// Hypotheses of a recognition, all of the plane or all of space.
+pub(crate) fn hypotheses(value: &Any<'_>) -> PyResult<AnyHypotheses> {
+    let given = listed(value)?;
+    match given.first().map(|one| &one.get().hypothesis) {
+        Some(In::Space(_)) => Ok(In::Space(one_sided::<DVec3>(&given)?)),
+        _ => Ok(In::Plane(one_sided::<DVec2>(&given)?)),
     }
 }
 
-fn hypothesis(value: &Any<'_>) -> PyResult<Hypothesis> {
+fn one_sided<V: Vector>(given: &[Bound<'_, PyHypothesis>]) -> PyResult<Vec<Hypothesis<V>>> {
+    sorted::<V, _, _, _>("hypotheses", "hypotheses", given, |one| &one.hypothesis)
+}
+
+/// Hypotheses of parts in the plane, for `what` works there only.
+pub(crate) fn planar(what: &str, value: &Any<'_>) -> PyResult<Vec<Hypothesis>> {
+    let of = |(k, one): (usize, &Bound<'_, PyHypothesis>)| match &one.get().hypothesis {
+        In::Plane(hypothesis) => Ok(hypothesis.clone()),
+        In::Space(_) => {
+            let problem = format!("is of a part in space; {what} works in the plane only");
+            let remedy = "give hypotheses of models of dimension 2";
+            Err(refuse(&format!("hypotheses[{k}]"), &problem, one, remedy))
+        }
+    };
+    listed(value)?.iter().enumerate().map(of).collect()
+}
+
+fn listed<'py>(value: &Any<'py>) -> PyResult<Vec<Bound<'py, PyHypothesis>>> {
+    all("hypotheses", value, "Hypothesis", "give found.hypotheses of a recognition")
+}
+
+fn hypothesis(value: &Any<'_>) -> PyResult<AnyHypothesis> {
     match value.cast::<PyHypothesis>() {
-        Ok(one) => planar("hypothesis", one),
+        Ok(one) => Ok(one.get().hypothesis.clone()),
         Err(_) => Err(refuse("hypothesis", "must be a Hypothesis", value, "give one of found.hypotheses")),
     }
 }
 
-pub(crate) fn sensor(value: &Any<'_>) -> PyResult<palpate::Sensor> {
+pub(crate) fn sensor(value: &Any<'_>) -> PyResult<Sensor> {
     match value.cast::<PySensor>() {
         Ok(sensor) => Ok(sensor.get().0),
         Err(_) => Err(refuse("sensor", "must be a Sensor", value, "give palpate.Sensor")),
@@ -69,8 +81,7 @@ pub(crate) fn plan(
     sensor: &Any<'_>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Option<Py<PyPath>>> {
-    planned(py, hypotheses, sensor, &Options::read("plan", options, &[JUDGED, PLACED, SEARCHED, REMEMBERED])?)
-        .map(|report| report.path)
+    planned(py, "plan", hypotheses, sensor, options).map(|report| report.path)
 }
 
 #[doc = doc!("plan_report")]
@@ -85,25 +96,43 @@ pub(crate) fn plan_report(
     sensor: &Any<'_>,
     options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<PyPlanReport> {
-    let options = Options::read("plan_report", options, &[JUDGED, PLACED, SEARCHED, REMEMBERED])?;
-    planned(py, hypotheses, sensor, &options)
+    planned(py, "plan_report", hypotheses, sensor, options)
 }
 
-fn planned(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) -> PyResult<PyPlanReport> {
-    let (hypotheses, sensor) = (hypotheses(given)?, sensor(with)?);
+type Given<'a, 'py> = Option<&'a Bound<'py, PyDict>>;
+
+fn planned(
+    py: Python<'_>,
+    function: &str,
+    hypotheses: &Any<'_>,
+    sensor: &Any<'_>,
+    options: Given<'_, '_>,
+) -> PyResult<PyPlanReport> {
+    either!(self::hypotheses(hypotheses)?, hypotheses => {
+        planned_among(py, function, &hypotheses, self::sensor(sensor)?, options)
+    })
+}
+
+fn planned_among<V: Vector>(
+    py: Python<'_>,
+    function: &str,
+    hypotheses: &[Hypothesis<V>],
+    sensor: Sensor,
+    options: Given<'_, '_>,
+) -> PyResult<PyPlanReport> {
+    let options = Options::read(function, options, &[JUDGED, PLACED, SEARCHED, REMEMBERED])?;
     let (settings, deadline) = (&options.settings, options.deadline());
     let (plan, late) = interruptible(py, |halt| {
         let late = std::cell::Cell::new(false);
-        let plan = palpate::plan_until(&hypotheses, &sensor, settings, &|| {
+        let plan = palpate::plan_until(hypotheses, &sensor, settings, &|| {
             late.set(late.get() || deadline.late(halt));
             late.get()
         });
         (plan, late.get())
     })?;
     let plan = plan.map_err(raise)?;
-    let path = plan.path.clone().map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()?;
-    let why = plan.why(&hypotheses, settings, late);
-    Ok(PyPlanReport { plan, path, why })
+    let why = plan.why(hypotheses, settings, late);
+    PyPlanReport::new(py, plan, why, sensor.tip_radius)
 }
 
 #[doc = doc!("judge")]
@@ -121,12 +150,14 @@ pub(crate) fn judge<'py>(
     length: Option<&Any<'py>>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<PyPath> {
-    let options = Options::read("judge", options, &[JUDGED])?;
-    let (hypotheses, sensor) = (self::hypotheses(hypotheses)?, self::sensor(sensor)?);
-    let line = Line { start: vector("start", start)?, direction: vector("direction", direction)? };
-    let length = length.map(|length| number("length", length)).transpose()?;
-    let path = py.detach(|| palpate::judge(&hypotheses, &sensor, line, length, &options.settings));
-    Ok(PyPath::new(path.map_err(raise)?, sensor.tip_radius))
+    let sensor = self::sensor(sensor)?;
+    let path = likewise!(self::hypotheses(hypotheses)?, hypotheses => {
+        let options = Options::read("judge", options, &[JUDGED])?;
+        let line = Line { start: vector("start", start)?, direction: vector("direction", direction)? };
+        let length = length.map(|length| number("length", length)).transpose()?;
+        py.detach(|| palpate::judge(&hypotheses, &sensor, line, length, &options.settings)).map_err(raise)?
+    });
+    Ok(PyPath::new(path, sensor.tip_radius))
 }
 
 #[doc = doc!("verification_path")]
@@ -142,14 +173,11 @@ pub(crate) fn verification_path<'py>(
     line: Option<&Any<'py>>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Option<Py<PyPath>>> {
-    let options = Options::read("verification_path", options, VERIFIED)?;
     let Some(line) = line else {
-        return verified(py, hypothesis, sensor, &options).map(|report| report.path);
+        return verified(py, "verification_path", hypothesis, sensor, options).map(|report| report.path);
     };
-    let (one, sensor, line) =
-        (self::hypothesis(hypothesis)?, self::sensor(sensor)?, self::line("line", line)?);
-    let path = py.detach(|| palpate::verification_along(&one, &sensor, line, &options.settings));
-    path.map_err(raise)?.map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()
+    let sensor = self::sensor(sensor)?;
+    either!(self::hypothesis(hypothesis)?, one => along(py, &one, sensor, line, options))
 }
 
 #[doc = doc!("verification_report")]
@@ -164,21 +192,52 @@ pub(crate) fn verification_report<'py>(
     sensor: &Any<'py>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<PyPlanReport> {
-    verified(py, hypothesis, sensor, &Options::read("verification_report", options, VERIFIED)?)
+    verified(py, "verification_report", hypothesis, sensor, options)
 }
 
 const VERIFIED: &[&[&str]] = &[PLACED, &["time_limit", "effort", "features", "margin", "seed"]];
 
-fn verified(py: Python<'_>, given: &Any<'_>, with: &Any<'_>, options: &Options) -> PyResult<PyPlanReport> {
-    let (one, sensor) = (hypothesis(given)?, sensor(with)?);
+/// The path of one line.
+fn along<V: Vector>(
+    py: Python<'_>,
+    one: &Hypothesis<V>,
+    sensor: Sensor,
+    line: &Any<'_>,
+    options: Given<'_, '_>,
+) -> PyResult<Option<Py<PyPath>>> {
+    let options = Options::read("verification_path", options, VERIFIED)?;
+    let line = self::line("line", line)?;
+    let path = py.detach(|| palpate::verification_along(one, &sensor, line, &options.settings));
+    let path = path.map_err(raise)?.map(V::within);
+    path.map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()
+}
+
+fn verified(
+    py: Python<'_>,
+    function: &str,
+    hypothesis: &Any<'_>,
+    sensor: &Any<'_>,
+    options: Given<'_, '_>,
+) -> PyResult<PyPlanReport> {
+    let sensor = self::sensor(sensor)?;
+    either!(self::hypothesis(hypothesis)?, one => verified_for(py, function, &one, sensor, options))
+}
+
+fn verified_for<V: Vector>(
+    py: Python<'_>,
+    function: &str,
+    one: &Hypothesis<V>,
+    sensor: Sensor,
+    options: Given<'_, '_>,
+) -> PyResult<PyPlanReport> {
+    let options = Options::read(function, options, VERIFIED)?;
     let (settings, deadline) = (&options.settings, options.deadline());
     let found = interruptible(py, |halt| {
-        palpate::verification_until(&one, &sensor, settings, &|| deadline.late(halt))
+        palpate::verification_until(one, &sensor, settings, &|| deadline.late(halt))
     })?;
     let Verification { path, why, num_judged } = found.map_err(raise)?;
     let plan = Plan { path, bound: 1.0, proved: false, num_judged, num_boxes: 0, counters: None };
-    let path = plan.path.clone().map(|path| Py::new(py, PyPath::new(path, sensor.tip_radius))).transpose()?;
-    Ok(PyPlanReport { plan, path, why })
+    PyPlanReport::new(py, plan, why, sensor.tip_radius)
 }
 
 #[doc = doc!("refuting_moves")]
@@ -189,20 +248,24 @@ pub(crate) fn refuting_moves(
     hypotheses: &Any<'_>,
     moves: &Any<'_>,
 ) -> PyResult<Vec<Option<usize>>> {
-    let hypotheses = self::hypotheses(hypotheses)?;
+    either!(self::hypotheses(hypotheses)?, hypotheses => refuting(py, &hypotheses, moves))
+}
+
+fn refuting<V: Vector>(
+    py: Python<'_>,
+    hypotheses: &[Hypothesis<V>],
+    moves: &Any<'_>,
+) -> PyResult<Vec<Option<usize>>> {
     let listed = members("moves", moves, "moves", MOVE)?;
-    let moves = listed
-        .iter()
-        .enumerate()
-        .map(|(k, one)| guarded(&format!("moves[{k}]"), one))
-        .collect::<PyResult<Vec<Move>>>()?;
-    py.detach(|| palpate::refuting_moves(&hypotheses, &moves)).map_err(raise)
+    let made = listed.iter().enumerate().map(|(k, one)| guarded(&format!("moves[{k}]"), one));
+    let moves = made.collect::<PyResult<Vec<Move<V>>>>()?;
+    py.detach(|| palpate::refuting_moves(hypotheses, &moves)).map_err(raise)
 }
 
 const MOVE: &str = "give (start, direction, length, sensor, contact or None)";
 
 /// A guarded move, and what was met.
-fn guarded(argument: &str, value: &Any<'_>) -> PyResult<Move> {
+fn guarded<V: Vector>(argument: &str, value: &Any<'_>) -> PyResult<Move<V>> {
     let parts = members(argument, value, "a move", MOVE)?;
     let [start, direction, length, with, met] = parts.as_slice() else {
         return Err(refuse(argument, "must be a move and what it met", value, MOVE));
@@ -210,11 +273,10 @@ fn guarded(argument: &str, value: &Any<'_>) -> PyResult<Move> {
     let met = if met.is_none() {
         None
     } else {
-        let Ok(contact) = met.cast::<PyContact>() else {
-            return Err(refuse(&format!("{argument}[4]"), "must be a Contact", met, MOVE));
-        };
-        let In::Plane(contact) = contact.get().0 else {
-            return Err(refuse(&format!("{argument}[4]"), "must be a contact of the plane", met, MOVE));
+        let refused = |problem: &str| refuse(&format!("{argument}[4]"), problem, met, MOVE);
+        let contact = met.cast::<PyContact>().map_err(|_| refused("must be a Contact"))?;
+        let Some(contact) = V::of(&contact.get().0) else {
+            return Err(refused(&format!("must be a contact of {}", V::NAME)));
         };
         Some((contact.center, contact.normal.map(|normal| normal.direction)))
     };
@@ -223,6 +285,13 @@ fn guarded(argument: &str, value: &Any<'_>) -> PyResult<Move> {
         direction: vector(&format!("{argument}[1]"), direction)?,
     };
     Ok(Move { line, length: number(&format!("{argument}[2]"), length)?, sensor: sensor(with)?, met })
+}
+
+impl PyPlanReport {
+    fn new<V: Vector>(py: Python<'_>, plan: Plan<V>, why: Why, tip_radius: f64) -> PyResult<Self> {
+        let path = plan.path.clone().map(|path| PyPath::new(V::within(path), tip_radius));
+        Ok(Self { plan: V::within(plan), path: path.map(|path| Py::new(py, path)).transpose()?, why })
+    }
 }
 
 #[pymethods]
@@ -236,13 +305,13 @@ impl PyPlanReport {
     #[doc = doc!("PlanReport.bound")]
     #[getter]
     fn bound(&self) -> f64 {
-        self.plan.bound
+        either!(&self.plan, plan => plan.bound)
     }
 
     #[doc = doc!("PlanReport.proved")]
     #[getter]
     fn proved(&self) -> bool {
-        self.plan.proved
+        either!(&self.plan, plan => plan.proved)
     }
 
     #[doc = doc!("PlanReport.why")]
@@ -254,19 +323,19 @@ impl PyPlanReport {
     #[doc = doc!("PlanReport.num_judged")]
     #[getter]
     fn num_judged(&self) -> u64 {
-        self.plan.num_judged
+        either!(&self.plan, plan => plan.num_judged)
     }
 
     #[doc = doc!("PlanReport.num_boxes")]
     #[getter]
     fn num_boxes(&self) -> u64 {
-        self.plan.num_boxes
+        either!(&self.plan, plan => plan.num_boxes)
     }
 
     #[doc = doc!("PlanReport.counters")]
     #[getter]
     fn counters<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(found) = &self.plan.counters else { return Ok(None) };
+        let Some(found) = either!(&self.plan, plan => plan.counters) else { return Ok(None) };
         let counts = PyDict::new(py);
         for (name, count) in [
             ("unsensed", found.unsensed),
@@ -287,11 +356,11 @@ impl PyPlanReport {
     }
 
     fn __repr__(&self) -> String {
-        let score = self.plan.path.as_ref().map_or_else(
-            || "no path".to_owned(),
-            |path| format!("score {:.4} of {}", path.score, path.outcomes.len()),
-        );
-        let proved = if self.plan.proved { "proved" } else { "not proved" };
-        format!("<PlanReport: {}, {score}, {proved}>", self.why.name())
+        let told = either!(&self.plan, plan => {
+            plan.path.as_ref().map(|path| format!("score {:.4} of {}", path.score, path.outcomes.len()))
+        });
+        let told = told.unwrap_or_else(|| "no path".to_owned());
+        let proved = if self.proved() { "proved" } else { "not proved" };
+        format!("<PlanReport: {}, {told}, {proved}>", self.why.name())
     }
 }

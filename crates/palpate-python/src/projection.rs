@@ -8,10 +8,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::{fixed, members, number, numbers, pose_array, raise, refuse, vectors_array, whole};
+use crate::dimension::In;
 use crate::interrupt::interruptible;
 use crate::options::{JUDGED, Options, PLACED};
 use crate::path::PyPath;
-use crate::plan::{hypotheses, sensor};
+use crate::plan::{planar, sensor};
 
 type Any<'py> = Bound<'py, PyAny>;
 
@@ -47,14 +48,15 @@ pub(crate) fn projection_space<'py>(
 ) -> PyResult<PyProjectionSpace> {
     let known: &[&[&str]] = &[JUDGED, PLACED, &["stop", "time_limit", "effort"]];
     let options = Options::read("projection_space", options, known)?;
-    let (hypotheses, sensor) = (self::hypotheses(hypotheses)?, self::sensor(sensor)?);
+    let (hypotheses, sensor) = (planar("projection_space", hypotheses)?, self::sensor(sensor)?);
     let generator = generator.map(face_of).transpose()?;
     let (settings, deadline) = (&options.settings, options.deadline());
     let projection = interruptible(py, |halt| {
         projection_space_until(&hypotheses, &sensor, generator, settings, &|| deadline.late(halt))
     })?;
     let projection = projection.map_err(raise)?;
-    let path = projection.path.as_ref().map(|found| PyPath::new(found.path.clone(), sensor.tip_radius));
+    let path = projection.path.as_ref();
+    let path = path.map(|found| PyPath::new(In::Plane(found.path.clone()), sensor.tip_radius));
     Ok(PyProjectionSpace { projection, path: path.map(|path| Py::new(py, path)).transpose()? })
 }
 

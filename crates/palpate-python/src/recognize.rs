@@ -65,6 +65,9 @@ pub(crate) fn recognize(
     }
 }
 
+/// Those whose first says whether all is of the plane or of space.
+const FIRST: &str = "models";
+
 /// What is to be recognized, of the plane or of space.
 struct Given<'py> {
     models: Vec<Bound<'py, PyModel>>,
@@ -87,14 +90,14 @@ impl Given<'_> {
         settings: &Settings,
         deadline: Deadline,
     ) -> PyResult<PyRecognition> {
-        let models = sorted::<V, _, _, _>("models", &self.models, |one| &one.model)?;
+        let models = sorted::<V, _, _, _>("models", FIRST, &self.models, |one| &one.model)?;
         let evidence = Evidence::<V> {
-            contacts: sorted::<V, _, _, _>("contacts", &self.contacts, |one| &one.0)?,
-            misses: sorted::<V, _, _, _>("misses", &self.misses, |one| &one.0)?,
+            contacts: sorted::<V, _, _, _>("contacts", FIRST, &self.contacts, |one| &one.0)?,
+            misses: sorted::<V, _, _, _>("misses", FIRST, &self.misses, |one| &one.0)?,
             prior: self
                 .prior
                 .as_ref()
-                .map(|prior| of::<V, _, _, _>("prior", prior, |one| &one.0))
+                .map(|prior| of::<V, _, _, _>("prior", FIRST, prior, |one| &one.0))
                 .transpose()?,
         };
         let found = interruptible_until(py, deadline, |halt| {
@@ -105,9 +108,10 @@ impl Given<'_> {
     }
 }
 
-/// What each of the objects holds, all of one dimension.
-fn sorted<V, T, P, S>(
+/// What each of the objects holds, all of the dimension of the first of some.
+pub(crate) fn sorted<V, T, P, S>(
     argument: &str,
+    first: &str,
     given: &[Bound<'_, T>],
     held: impl Fn(&T) -> &In<P, S>,
 ) -> PyResult<Vec<<V as Side<P, S>>::One>>
@@ -115,13 +119,15 @@ where
     V: Vector + Side<P, S, One: Clone>,
     T: PyClass<Frozen = pyo3::pyclass::boolean_struct::True> + Sync,
 {
-    let one = |(k, one): (usize, &Bound<'_, T>)| of::<V, _, _, _>(&format!("{argument}[{k}]"), one, &held);
+    let one =
+        |(k, one): (usize, &Bound<'_, T>)| of::<V, _, _, _>(&format!("{argument}[{k}]"), first, one, &held);
     given.iter().enumerate().map(one).collect()
 }
 
 /// What an object holds, if it is of the dimension.
 fn of<V, T, P, S>(
     argument: &str,
+    first: &str,
     given: &Bound<'_, T>,
     held: impl Fn(&T) -> &In<P, S>,
 ) -> PyResult<<V as Side<P, S>>::One>
@@ -132,7 +138,7 @@ where
     let complain = || {
         let other = DVec2::DIMENSION + DVec3::DIMENSION - V::DIMENSION;
         let problem =
-            format!("is of dimension {other}, the first of the models of dimension {}", V::DIMENSION);
+            format!("is of dimension {other}, the first of the {first} of dimension {}", V::DIMENSION);
         refuse(argument, &problem, given.as_any(), "don't mix the plane and space")
     };
     <V as Side<P, S>>::of(held(given.get())).cloned().ok_or_else(complain)

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use palpate::{AmbiguityTree, Answers, Branch, Node, Status, TreeMethod};
+use palpate::{Answers, Branch, Status, TreeMethod};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::raise;
+use crate::dimension::AnyTree;
 use crate::interrupt::interruptible;
 use crate::options::{GROWN, JUDGED, Options, PLACED, SEARCHED};
 use crate::path::PyPath;
@@ -17,14 +18,14 @@ type Any<'py> = Bound<'py, PyAny>;
 #[doc = doc!("AmbiguityTree")]
 #[pyclass(name = "AmbiguityTree", module = "palpate._core", frozen)]
 pub(crate) struct PyTree {
-    tree: Arc<AmbiguityTree>,
+    tree: Arc<AnyTree>,
     tip_radius: f64,
 }
 
 #[doc = doc!("AmbiguityNode")]
 #[pyclass(name = "AmbiguityNode", module = "palpate._core", frozen)]
 pub(crate) struct PyNode {
-    tree: Arc<AmbiguityTree>,
+    tree: Arc<AnyTree>,
     tip_radius: f64,
     number: usize,
 }
@@ -32,7 +33,7 @@ pub(crate) struct PyNode {
 #[doc = doc!("AmbiguityBranch")]
 #[pyclass(name = "AmbiguityBranch", module = "palpate._core", frozen)]
 pub(crate) struct PyBranch {
-    tree: Arc<AmbiguityTree>,
+    tree: Arc<AnyTree>,
     tip_radius: f64,
     branch: Branch,
 }
@@ -49,13 +50,15 @@ pub(crate) fn plan_tree<'py>(
     sensor: &Any<'py>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<PyTree> {
-    let options = Options::read("plan_tree", options, &[JUDGED, PLACED, SEARCHED, GROWN])?;
-    let (hypotheses, sensor) = (self::hypotheses(hypotheses)?, self::sensor(sensor)?);
-    let (settings, tree, deadline) = (&options.settings, options.tree, options.deadline());
-    let tree = interruptible(py, |halt| {
-        palpate::plan_tree_until(&hypotheses, &sensor, settings, &tree, &|| deadline.late(halt))
-    })?
-    .map_err(raise)?;
+    let sensor = self::sensor(sensor)?;
+    let tree = likewise!(self::hypotheses(hypotheses)?, hypotheses => {
+        let options = Options::read("plan_tree", options, &[JUDGED, PLACED, SEARCHED, GROWN])?;
+        let (settings, tree, deadline) = (&options.settings, options.tree, options.deadline());
+        let tree = interruptible(py, |halt| {
+            palpate::plan_tree_until(&hypotheses, &sensor, settings, &tree, &|| deadline.late(halt))
+        })?;
+        tree.map_err(raise)?
+    });
     Ok(PyTree { tree: Arc::new(tree), tip_radius: sensor.tip_radius })
 }
 
@@ -70,19 +73,21 @@ impl PyTree {
     #[doc = doc!("AmbiguityTree.nodes")]
     #[getter]
     fn nodes(&self) -> Vec<PyNode> {
-        (0..self.tree.nodes.len()).map(|number| PyNode { number, ..self.root() }).collect()
+        (0..either!(&*self.tree, tree => tree.nodes.len()))
+            .map(|number| PyNode { number, ..self.root() })
+            .collect()
     }
 
     #[doc = doc!("AmbiguityTree.names")]
     #[getter]
     fn names(&self) -> Vec<String> {
-        self.tree.names.clone()
+        either!(&*self.tree, tree => tree.names.clone())
     }
 
     #[doc = doc!("AmbiguityTree.method")]
     #[getter]
     fn method(&self) -> &'static str {
-        match self.tree.method {
+        match either!(&*self.tree, tree => tree.method) {
             TreeMethod::Greedy => "greedy",
             TreeMethod::Ahead => "ahead",
             TreeMethod::Optimal => "optimal",
@@ -92,54 +97,54 @@ impl PyTree {
     #[doc = doc!("AmbiguityTree.expected_touches")]
     #[getter]
     fn expected_touches(&self) -> f64 {
-        self.tree.expected_touches
+        either!(&*self.tree, tree => tree.expected_touches)
     }
 
     #[doc = doc!("AmbiguityTree.worst_touches")]
     #[getter]
     fn worst_touches(&self) -> usize {
-        self.tree.worst_touches
+        either!(&*self.tree, tree => tree.worst_touches)
     }
 
     #[doc = doc!("AmbiguityTree.max_outcomes")]
     #[getter]
     fn max_outcomes(&self) -> usize {
-        self.tree.max_outcomes
+        either!(&*self.tree, tree => tree.max_outcomes)
     }
 
     #[doc = doc!("AmbiguityTree.entropy_bound")]
     #[getter]
     fn entropy_bound(&self) -> f64 {
-        self.tree.entropy_bound
+        either!(&*self.tree, tree => tree.entropy_bound)
     }
 
     #[doc = doc!("AmbiguityTree.worst_bound")]
     #[getter]
     fn worst_bound(&self) -> usize {
-        self.tree.worst_bound
+        either!(&*self.tree, tree => tree.worst_bound)
     }
 
     #[doc = doc!("AmbiguityTree.lower_bound")]
     #[getter]
     fn lower_bound(&self) -> f64 {
-        self.tree.lower_bound
+        either!(&*self.tree, tree => tree.lower_bound)
     }
 
     #[doc = doc!("AmbiguityTree.identified")]
     #[getter]
     fn identified(&self) -> Vec<usize> {
-        self.tree.identified.clone()
+        either!(&*self.tree, tree => tree.identified.clone())
     }
 
     #[doc = doc!("AmbiguityTree.solved")]
     #[getter]
     fn solved(&self) -> bool {
-        self.tree.solved()
+        either!(&*self.tree, tree => tree.solved())
     }
 
     #[doc = doc!("AmbiguityTree.to_text")]
     fn to_text(&self) -> String {
-        self.tree.to_text()
+        either!(&*self.tree, tree => tree.to_text())
     }
 
     #[doc = doc!("AmbiguityTree.to_json")]
@@ -149,16 +154,19 @@ impl PyTree {
     }
 
     fn __repr__(&self) -> String {
-        let (n, expected, worst) =
-            (self.tree.names.len(), self.tree.expected_touches, self.tree.worst_touches);
+        let (n, expected, worst) = (self.names().len(), self.expected_touches(), self.worst_touches());
         format!("<AmbiguityTree of {n}: {expected:.2} touches expected, {worst} worst>")
     }
 }
 
-impl PyNode {
-    fn node(&self) -> &Node {
-        &self.tree.nodes[self.number]
-    }
+/// What the expression makes of the node that a `PyNode` stands for.
+macro_rules! of_node {
+    ($given:expr, $node:ident => $then:expr) => {
+        either!(&*$given.tree, tree => {
+            let $node = &tree.nodes[$given.number];
+            $then
+        })
+    };
 }
 
 #[pymethods]
@@ -172,19 +180,19 @@ impl PyNode {
     #[doc = doc!("AmbiguityNode.members")]
     #[getter]
     fn members(&self) -> Vec<usize> {
-        self.node().members.clone()
+        of_node!(self, node => node.members.clone())
     }
 
     #[doc = doc!("AmbiguityNode.level")]
     #[getter]
     fn level(&self) -> usize {
-        self.node().level
+        of_node!(self, node => node.level)
     }
 
     #[doc = doc!("AmbiguityNode.path")]
     #[getter]
     fn path(&self) -> Option<PyPath> {
-        let path = self.node().path.clone()?;
+        let path = likewise!(&*self.tree, tree => tree.nodes[self.number].path.clone()?);
         Some(PyPath::among(path, self.members(), self.tip_radius))
     }
 
@@ -196,13 +204,13 @@ impl PyNode {
             tip_radius: self.tip_radius,
             branch: branch.clone(),
         };
-        self.node().branches.iter().map(of).collect()
+        of_node!(self, node => node.branches.iter().map(of).collect())
     }
 
     #[doc = doc!("AmbiguityNode.status")]
     #[getter]
     fn status(&self) -> &'static str {
-        match self.node().status {
+        match of_node!(self, node => node.status) {
             Status::Solved => "solved",
             Status::Divided => "divided",
             Status::Inseparable => "inseparable",

@@ -1,0 +1,106 @@
+"""Planning in space from Python: shapes, pickles, and what is refused."""
+
+import copy
+import math
+import pickle
+
+import numpy as np
+import pytest
+from brackets import POINTS, POSE, bracket, touches
+from conftest import hypotheses_of, usual_sensor
+
+import palpate
+
+HANDS = hypotheses_of("human-hand")
+FOUND = palpate.recognize([bracket()], touches()[:2]).hypotheses
+SENSOR = usual_sensor()
+STEM = ((0, 0, 2), 1.5, 80.0)
+
+#: A point of the bracket's top and its outward normal, world frame.
+POINT, NORMAL = (POSE[:3, :3] @ POINTS[0][0] + POSE[:3, 3], POSE[:3, :3] @ POINTS[0][1])
+
+
+def judged(shift=0.0):
+    """The path straight at that point."""
+    return palpate.judge(FOUND, SENSOR, POINT + 50 * NORMAL + shift, -NORMAL)
+
+
+def test_a_stem_is_part_of_the_sensor():
+    plain, carried = SENSOR, usual_sensor(stem=STEM)
+    assert plain.stem is None and plain != carried and carried == usual_sensor(stem=((0, 0, 5), 1.5, 80))
+    direction, radius, length = carried.stem
+    assert np.array_equal(direction, (0, 0, 1)) and (radius, length) == (1.5, 80.0)
+    assert "stem" not in repr(plain) and repr(carried).endswith(", stem=((0.0, 0.0, 1.0), 1.5, 80.0))")
+    tilted = usual_sensor(stem=((1, 2, 3), 0, 1e-3))
+    for one in (plain, carried, tilted):
+        for again in (pickle.loads(pickle.dumps(one)), copy.copy(one), copy.deepcopy(one)):
+            assert again == one
+    assert eval(repr(carried), {"Sensor": palpate.Sensor}) == carried
+    maker, state = plain.__reduce__()
+    assert maker(*state[:-1]) == plain  # as it was written before there were stems
+
+
+def test_a_path_in_space_has_three_coordinates():
+    assert len(FOUND) > 1
+    path = judged()
+    assert path.start.shape == path.direction.shape == path.end.shape == (3,)
+    assert np.array_equal(path.start, POINT + 50 * NORMAL)
+    assert np.allclose(path.direction, -NORMAL, rtol=0, atol=1e-12)
+    assert np.allclose(path.end, path.start + path.length * path.direction)
+    assert path == judged() and path != judged(shift=1.0)
+    assert path == palpate.judge(FOUND, SENSOR, path.start, path.direction, path.length)
+    assert " along (" in repr(path) and "°" not in repr(path)
+    assert path.members == list(range(len(FOUND))) == [one.hypothesis for one in path.outcomes]
+    assert path.outcome_of(None) == path.no_contact
+    assert path.faults == [(k, one.fault) for k, one in enumerate(path.outcomes) if one.fault]
+
+
+def test_what_is_met_is_among_what_the_truth_may_answer():
+    (truth,) = [k for k, one in enumerate(FOUND) if one.poses.contains(POSE)]
+    path = judged()
+    met = palpate.Contact(POINT, NORMAL, position_error=0.5, normal_error=0.07)
+    assert truth in path.outcome_of(met)
+    assert palpate.refuting_moves(FOUND, [(path.start, -NORMAL, 400, SENSOR, met)])[truth] is None
+    assert path.outcomes[truth].touches
+    for touch in path.outcomes[truth].touches:
+        axis, angle = touch.normal_cap
+        assert axis.shape == (3,) and np.linalg.norm(axis) == pytest.approx(1) and 0 <= angle <= math.pi
+        assert touch.feature[0] in ("face", "edge", "vertex") and touch.depth[0] <= touch.depth[1]
+        with pytest.raises(ValueError, match=r"^normals: works in the plane only .*normal_cap"):
+            _ = touch.normals
+        assert touch == touch and "at depth" in repr(touch)
+
+
+def test_normals_of_the_plane_are_in_their_cap():
+    path = palpate.plan(HANDS, SENSOR)
+    touched = [touch for outcome in path.outcomes for touch in outcome.touches]
+    assert touched
+    for touch in touched:
+        axis, angle = touch.normal_cap
+        start, end = touch.normals
+        for side, at in ((-angle, start), (angle, end)):
+            turned = math.atan2(axis[1], axis[0]) + side
+            assert math.cos(turned - at) == pytest.approx(1, abs=1e-12)
+
+
+def test_one_hypothesis_needs_no_path():
+    report = palpate.plan_report(FOUND[:1], SENSOR, workspace=[(-500,) * 3, (500,) * 3])
+    assert (report.path, report.why, report.proved) == (None, "solved", True)
+    tree = palpate.plan_tree(FOUND[:1], SENSOR, directions=(NORMAL, 0.5))
+    assert tree.solved and tree.names == ["bracket"] and tree.root.members == [0]
+    assert tree.root.path is None and tree.root.status == "solved"
+    assert "I1 bracket" in tree.to_text()
+
+
+def test_the_planner_answers_the_same_again():
+    options = {
+        "directions": (-NORMAL, 1.0),
+        "tried": [(POINT, -NORMAL)],
+        "features": ("face", "edge"),
+        "effort": 9,
+    }
+    report, again = (palpate.plan_report(FOUND, SENSOR, **options) for _ in range(2))
+    assert (report.path, report.why, report.num_judged) == (again.path, again.why, again.num_judged)
+    assert 0 < report.num_judged <= 9 and report.counters is None and report.num_boxes == 0
+    if report.path is not None:
+        assert report.path.direction @ -NORMAL >= math.cos(1.0) - 1e-9
