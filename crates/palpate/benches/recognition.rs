@@ -10,16 +10,19 @@ mod common;
 mod measure;
 #[path = "../tests/common/parts.rs"]
 mod parts;
+#[path = "../tests/common/solids.rs"]
+mod solids;
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::time::Duration;
 
 use common::{Noise, Problem, contacts, regular};
 use criterion::{BatchSize, Criterion, criterion_main};
 use fastrand::Rng;
-use glam::dvec2;
+use glam::{DVec2, DVec3, dvec2};
 use palpate::plane::{Model, Pose};
-use palpate::{Evidence, Prior, Recognition, Settings, recognize};
+use palpate::{Evidence, Line, Prior, Recognition, Settings, recognize, space};
 
 /// ±0.5 and ±4°.
 fn noise() -> Noise {
@@ -124,6 +127,64 @@ fn pose_sets(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A torus with bumps, so that no two of its triangles are in one plane; of a prism where few faces are asked for.
+fn solid(num_faces: u32) -> space::Model {
+    let (across, around) = match num_faces {
+        300 => (10, 15),
+        5000 => (50, 50),
+        _ => (0, num_faces - 2),
+    };
+    let turn = |k: u32, count: u32| TAU * f64::from(k) / f64::from(count);
+    let mut points = Vec::new();
+    let mut triangles = Vec::new();
+    for k in 0..around {
+        let out = DVec2::from_angle(turn(k, around)).extend(0.0);
+        if across == 0 {
+            points.extend([50.0 * out, 50.0 * out + 60.0 * DVec3::Z]);
+            let [a, b] = [2 * k, 2 * ((k + 1) % around)];
+            triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+            triangles.extend(if k > 1 { vec![[0, a, a - 2], [1, a - 1, a + 1]] } else { vec![] });
+            continue;
+        }
+        for j in 0..across {
+            let bump = 30.0 + 3.0 * f64::from((7 * k + 5 * j) % 11) / 10.0;
+            let place = bump * DVec2::from_angle(turn(j, across));
+            points.push((65.0 + place.x) * out + place.y * DVec3::Z);
+            let at = |k: u32, j: u32| (k % around) * across + j % across;
+            let [a, b, c, d] = [at(k, j), at(k + 1, j), at(k + 1, j + 1), at(k, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    space::Model::mesh("solid", &points, &triangles, &[], 0.0, 0.0).expect("a closed surface")
+}
+
+/// Lines towards a part, most of which meet it, at a random pose.
+fn first_contacts(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("first contact in space");
+    for num_faces in [12, 300, 5000] {
+        let model = solid(num_faces);
+        assert_eq!((model.faces.len(), model.closed), (num_faces as usize, true));
+        let mut random = Rng::with_seed(1);
+        let pose = solids::pose(&mut random);
+        let lines: Vec<_> = (0..1000)
+            .map(|_| {
+                let start = 1.5 * model.size * solids::direction(&mut random);
+                let target = 0.5 * model.size * random.f64() * solids::direction(&mut random);
+                let direction = (target - start).try_normalize().expect("they differ");
+                Line { start: pose.apply(start), direction: pose.rotation * direction }
+            })
+            .collect();
+        for radius in [0.0, 3.0, 30.0] {
+            let mut turn = lines.iter().cycle();
+            let mut next = move || turn.next().expect("endless");
+            group.bench_function(format!("{num_faces} faces, tip of radius {radius}"), |bencher| {
+                bencher.iter(|| model.first_contact(pose, next(), radius));
+            });
+        }
+    }
+    group.finish();
+}
+
 fn benches() {
     measure::use_one_core();
     let mut criterion = Criterion::default()
@@ -134,6 +195,7 @@ fn benches() {
     explosion(&mut criterion);
     tables(&mut criterion);
     pose_sets(&mut criterion);
+    first_contacts(&mut criterion);
     criterion.final_summary();
 }
 

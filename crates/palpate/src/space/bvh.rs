@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use super::model::Model;
+use super::rims::Rims;
 
 /// Triangles in a leaf, at most.
 const LEAF: usize = 4;
@@ -42,6 +43,10 @@ pub(super) struct Bvh {
     corners: Vec<[DVec3; 3]>,
     /// The face of each of them.
     faces: Vec<u32>,
+    /// Which triangle of the model each of them is.
+    numbers: Vec<u32>,
+    /// What a ball may meet beside them, made when first needed.
+    rims: OnceLock<Rims>,
 }
 
 /// The tree of a model, made once.
@@ -76,7 +81,18 @@ impl Bvh {
         split(&mut nodes, &mut order, 0, &corners, &middles, OUTWARD * reach);
         let by_leaf = |k: &u32| corners[*k as usize];
         let faces = order.iter().map(|&k| model.triangles[k as usize].1).collect();
-        Self { nodes, corners: order.iter().map(by_leaf).collect(), faces }
+        let corners = order.iter().map(by_leaf).collect();
+        Self { nodes, corners, faces, numbers: order, rims: OnceLock::new() }
+    }
+
+    /// The box around all.
+    pub(super) fn around(&self) -> (DVec3, DVec3) {
+        (self.nodes[0].low, self.nodes[0].high)
+    }
+
+    /// Edges and vertices of its model that a ball may meet, at triangles by their places in the leaves.
+    pub(super) fn rims(&self, model: &Model) -> &Rims {
+        self.rims.get_or_init(|| Rims::new(model, &self.numbers))
     }
 
     /// No corner is further from a point.
@@ -89,9 +105,19 @@ impl Bvh {
     /// first. `measure` is given the corners and the face of a triangle, and answers with the new least.
     pub(super) fn descend(
         &self,
-        mut least: f64,
+        least: f64,
         bound: impl Fn(DVec3, DVec3) -> f64,
         mut measure: impl FnMut(&[DVec3; 3], u32) -> f64,
+    ) {
+        self.descend_placed(least, bound, |corners, face, _| measure(corners, face));
+    }
+
+    /// The same; `measure` is given the place of the triangle in the leaves as well.
+    pub(super) fn descend_placed(
+        &self,
+        mut least: f64,
+        bound: impl Fn(DVec3, DVec3) -> f64,
+        mut measure: impl FnMut(&[DVec3; 3], u32, usize) -> f64,
     ) {
         let of_node = |k: u32| bound(self.nodes[k as usize].low, self.nodes[k as usize].high);
         let mut open = vec![(of_node(0), 0_u32)];
@@ -101,8 +127,8 @@ impl Bvh {
             }
             let node = &self.nodes[k as usize];
             if node.count > 0 {
-                for t in node.first..node.first + node.count {
-                    least = measure(&self.corners[t as usize], self.faces[t as usize]);
+                for t in node.first as usize..(node.first + node.count) as usize {
+                    least = measure(&self.corners[t], self.faces[t], t);
                 }
                 continue;
             }

@@ -250,7 +250,7 @@ pub(super) fn beside_box(from: DVec3, along: DVec3, low: DVec3, high: DVec3) -> 
 }
 
 /// How far along a ray a box begins, rounded down; infinity if the ray passes it.
-fn ray_enters(from: DVec3, direction: DVec3, low: DVec3, high: DVec3) -> f64 {
+pub(super) fn ray_enters(from: DVec3, direction: DVec3, low: DVec3, high: DVec3) -> f64 {
     let (mut first, mut last) = (0.0_f64, f64::INFINITY);
     for axis in 0..3 {
         let (low, high) = (low[axis] - from[axis], high[axis] - from[axis]);

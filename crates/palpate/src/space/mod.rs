@@ -33,8 +33,13 @@ mod prior;
 mod quantized;
 #[cfg(test)]
 mod query_tests;
+#[cfg(test)]
+mod ray_cases;
+#[cfg(test)]
+mod ray_tests;
 mod rays;
 mod regions;
+mod rims;
 mod roundness;
 mod scale;
 mod scene;

@@ -298,7 +298,7 @@ impl Shadow {
         let inner = if radius > loose { met(radius - loose) } else { None };
         let depth = Range { low: outer.low, high: inner.map_or(outer.high, |inner| inner.low) };
         let depth = depth.widened(ask.depth + ROUNDING * (self.radius + depth.low.abs()));
-        let normals = self.normals_at_edge(ray, rim, ends, loose, ask)?;
+        let normals = Self::normals_at_edge(ray, rim, ends, loose, ask)?;
         let fault = fault_at(normals, rim.touchable, ask);
         (depth.high >= 0.0).then_some(Possible { feature: Feature::Edge(number), depth, normals, fault })
     }
@@ -306,7 +306,6 @@ impl Shadow {
     /// The normals with which a ball may meet an edge, if it does at all: those of the edge that face the line, as far
     /// aside as it passes.
     fn normals_at_edge(
-        &self,
         ray: &Ray<'_>,
         rim: Rim,
         [a, b]: [DVec3; 2],

@@ -12,7 +12,7 @@ use super::{Model, Pose};
 use crate::part::Surface;
 
 /// The distance to a triangle by its regions (Ericson 2005, 5.1.5), another way than the model's.
-fn triangle_distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+pub(super) fn triangle_distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {

@@ -171,9 +171,9 @@ mod tests {
         for cone in [PI, 1.2, 0.3, 0.0] {
             let axis = dvec3(1.0, -2.0, 0.5);
             let scene = scene(&PlanSettings { directions: Some((axis, cone)), ..PlanSettings::default() });
-            let count = 4000;
-            let directions: Vec<DVec3> = scene.directions(count).collect();
-            assert_eq!(directions.len(), ((count as f64 * 0.5 * (1.0 - cone.cos())).ceil() as usize).max(1));
+            let count = 4000.0;
+            let directions: Vec<DVec3> = scene.directions(4000).collect();
+            assert_eq!(directions.len() as f64, (count * 0.5 * (1.0 - cone.cos())).ceil().max(1.0));
             for direction in &directions {
                 assert!((direction.length() - 1.0).abs() < 1e-12);
                 assert!(scene.line(*direction, DVec3::ZERO).is_some(), "{direction} is not allowed");

@@ -6,11 +6,13 @@ use glam::{DMat3, DVec3};
 
 use super::cell::{Cell, Linearized, chord, most};
 use super::linear::left_jacobian;
-use super::model::Model;
+use super::model::{Edge, Model, Vertex};
 use super::pose_set::PoseSet;
+use super::rims::is_groove;
 use super::site::angle;
 use crate::feature::Feature;
 use crate::line::Line;
+use crate::part::Surface;
 use crate::tree::Range;
 
 /// A hypothesis over all its poses, made ready for lines.
@@ -138,18 +140,18 @@ fn ball(model: &Model, pivot: DVec3, outward: f64, cells: &[PlacedCell]) -> (DVe
 }
 
 fn rims(model: &Model) -> Vec<Option<Rim>> {
-    let rim = |edge: &super::model::Edge| {
+    let rim = |edge: &Edge| {
         let touchable = edge.normals.is_some();
-        let [first, second] = edge.faces.map(|face| Some(model.faces[face? as usize].normal));
-        match (first, second) {
-            (Some(first), Some(second)) if model.closed => {
-                let [a, b] = edge.ends.map(|end| model.vertices[end as usize].point);
-                // A ball comes to no edge that is reflex: the faces are in its way.
-                (first.cross(second).dot(b - a) > 0.0)
-                    .then_some(Rim { normals: Some([first, second]), touchable })
+        let beside = edge.faces.map(|face| face.map(|face| &model.faces[face as usize]));
+        let normals = match beside {
+            [Some(first), Some(second)]
+                if model.closed && first.surface != Surface::Seam && second.surface != Surface::Seam =>
+            {
+                Some([first.normal, second.normal])
             }
-            _ => Some(Rim { normals: edge.normals, touchable }),
-        }
+            _ => edge.normals,
+        };
+        (!is_groove(model, edge)).then_some(Rim { normals, touchable })
     };
     model.edges.iter().map(rim).collect()
 }
@@ -162,7 +164,7 @@ fn corners(model: &Model) -> Vec<Option<(DVec3, f64, bool)>> {
             sticks_out[end as usize] |= rim.is_some();
         }
     }
-    let corner = |(vertex, sticks_out): (&super::model::Vertex, bool)| {
+    let corner = |(vertex, sticks_out): (&Vertex, bool)| {
         let around = |normals: &Vec<DVec3>| {
             let axis = normals.iter().sum::<DVec3>().try_normalize()?;
             Some((axis, normals.iter().map(|normal| angle(axis, *normal)).fold(0.0, f64::max)))

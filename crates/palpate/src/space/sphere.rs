@@ -76,6 +76,7 @@ impl Cap {
     }
 
     /// A cap that holds both, the smallest where neither holds the other and they are not opposite.
+    #[must_use]
     pub fn around_both(self, other: Self) -> Self {
         let apart = Dimension::angle_between(self.axis, other.axis);
         if apart + other.angle <= self.angle {

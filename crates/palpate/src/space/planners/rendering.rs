@@ -76,13 +76,15 @@ impl Grid {
         let last = self.count as f64 - 1.0;
         let speed = normal.dot(self.direction);
         let offset = normal.dot(corners[0]);
-        let rows = (low.y.ceil().max(0.0), high.y.floor().min(last));
-        let columns = (low.x.ceil().max(0.0), high.x.floor().min(last));
-        let mut y = rows.0;
-        while y <= rows.1 {
-            let mut x = columns.0;
-            while x <= columns.1 {
-                let at = dvec2(x, y);
+        let between = |low: f64, high: f64| (low.ceil().max(0.0), high.floor().min(last));
+        let (first_row, last_row) = between(low.y, high.y);
+        let (first_column, last_column) = between(low.x, high.x);
+        if first_row > last_row || first_column > last_column {
+            return;
+        }
+        for row in index(first_row)..=index(last_row) {
+            for column in index(first_column)..=index(last_column) {
+                let at = dvec2(column as f64, row as f64);
                 let inside = [(a, b), (b, c), (c, a)].iter().all(|(p, q)| {
                     let side = (*q - *p).perp_dot(at - *p);
                     if area > 0.0 { side >= 0.0 } else { side <= 0.0 }
@@ -90,42 +92,95 @@ impl Grid {
                 if inside {
                     let place = (at - (half - 0.5)) * self.step;
                     let depth = (offset - normal.dot(place.x * self.right + place.y * self.up)) / speed;
-                    let number = y as usize * self.count + x as usize;
+                    let number = row * self.count + column;
                     if depth < rendering.depth[number] {
                         rendering.depth[number] = depth;
                         rendering.face[number] = face;
                     }
                 }
-                x += 1.0;
             }
-            y += 1.0;
         }
     }
+}
+
+#[expect(clippy::cast_sign_loss, reason = "rows and columns of a grid are not negative")]
+fn index(at: f64) -> usize {
+    at as usize
 }
 
 /// How many steps each marked place of a square grid is from the nearest that is not marked, or from beyond its rim; in
 /// steps along rows, columns and diagonals.
 pub(super) fn clearances(marked: &[bool], count: usize) -> Vec<u16> {
-    let mut steps: Vec<u16> = marked.iter().map(|marked| if *marked { u16::MAX - 1 } else { 0 }).collect();
-    let at = |x: isize, y: isize| -> Option<usize> {
-        let inside = (0..count as isize).contains(&x) && (0..count as isize).contains(&y);
-        inside.then(|| y as usize * count + x as usize)
-    };
-    let mut sweep = |backward: bool| {
-        for k in 0..count * count {
-            let k = if backward { count * count - 1 - k } else { k };
-            if steps[k] == 0 {
-                continue;
+    // With a rim of places that are not marked.
+    let wide = count + 2;
+    let mut steps = vec![0_u16; wide * wide];
+    let place = |k: usize| (k / count + 1) * wide + k % count + 1;
+    for (k, _) in marked.iter().enumerate().filter(|(_, marked)| **marked) {
+        steps[place(k)] = u16::MAX - 1;
+    }
+    for k in 0..count * count {
+        let at = place(k);
+        let least = [at - 1, at - wide - 1, at - wide, at - wide + 1].map(|k| steps[k]).into_iter().min();
+        steps[at] = steps[at].min(least.unwrap_or(0) + 1);
+    }
+    for k in (0..count * count).rev() {
+        let at = place(k);
+        let least = [at + 1, at + wide - 1, at + wide, at + wide + 1].map(|k| steps[k]).into_iter().min();
+        steps[at] = steps[at].min(least.unwrap_or(0) + 1);
+    }
+    (0..count * count).map(|k| steps[place(k)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::dvec3;
+
+    use super::{Grid, clearances};
+    use crate::line::Line;
+    use crate::space::shapes::{Cells, Random, mesh};
+
+    /// What is rendered is what rays meet.
+    #[test]
+    fn a_rendering_is_what_rays_meet() {
+        let mut random = Random(3);
+        let mut met = 0;
+        for _ in 0..20 {
+            let model = mesh(&Cells::random(&mut random, 4, 0.5).shape());
+            let pose = random.pose();
+            let middle = pose.apply(dvec3(0.0, 5.0, 10.0));
+            let direction = random.direction();
+            let grid = Grid::new(direction, middle, 60.0, 24);
+            let rendering = grid.render(&model, pose, 0.0);
+            for number in 0..24 * 24 {
+                let line = Line { start: grid.point(number) - 300.0 * direction, direction };
+                let found = model.first_contact(pose, &line, 0.0);
+                let depth = found.map_or(f64::INFINITY, |found| found.depth - 300.0);
+                assert!(
+                    depth == rendering.depth[number] || (depth - rendering.depth[number]).abs() < 1e-9,
+                    "{depth} {} {}",
+                    rendering.depth[number],
+                    model.closed
+                );
+                met += usize::from(found.is_some());
             }
-            let (x, y) = ((k % count) as isize, (k / count) as isize);
-            let by = if backward { 1 } else { -1 };
-            let beside = [(by, 0), (0, by), (-1, by), (1, by)];
-            let least = beside.iter().map(|(dx, dy)| at(x + dx, y + dy).map_or(0, |j| steps[j]));
-            let least = least.min().unwrap_or(0);
-            steps[k] = steps[k].min(least + 1);
         }
-    };
-    sweep(false);
-    sweep(true);
-    steps
+        assert!(met > 1_000);
+    }
+
+    /// Against the least of all distances.
+    #[test]
+    fn clearances_are_those_to_the_nearest() {
+        let mut random = Random(4);
+        let count = 12;
+        let marked: Vec<bool> = (0..count * count).map(|_| random.next() < 0.9).collect();
+        let found = clearances(&marked, count);
+        let apart = |a: usize, b: usize| (a % count).abs_diff(b % count).max((a / count).abs_diff(b / count));
+        for (at, found) in found.into_iter().enumerate() {
+            let rim =
+                (at % count).min(count - 1 - at % count).min(at / count).min(count - 1 - at / count) + 1;
+            let least =
+                (0..count * count).filter(|k| !marked[*k]).map(|k| apart(at, k)).fold(rim, usize::min);
+            assert_eq!(usize::from(found), least);
+        }
+    }
 }
