@@ -132,8 +132,8 @@ pub(crate) fn any_vector(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<I
     }
 }
 
-/// A direction of the plane, shape `(2,)`, of any length but zero; made unit.
-pub(crate) fn direction(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<DVec2> {
+/// A direction, shape `(d,)`, of any length but zero; made unit.
+pub(crate) fn direction<V: Vector>(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<V> {
     let nowhere = || refuse(argument, "must not be zero", value, "give a direction, of any length");
     palpate::plan::normalized(vector(argument, value)?).ok_or_else(nowhere)
 }

@@ -1,7 +1,7 @@
 //! What recognition asks of the plane and of space.
 
 use std::fmt::{Debug, Display};
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc as Shared;
 
 use glam::{DVec2, DVec3};
@@ -26,6 +26,7 @@ pub trait Dimension:
     + Sub<Output = Self>
     + Neg<Output = Self>
     + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
     + 'static
 {
     /// Rigid motions.

@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use glam::DVec2;
 
-use crate::Error;
 use crate::best::Best;
 use crate::hypothesis::Hypothesis;
 use crate::line::Line;
@@ -12,6 +11,7 @@ use crate::path::{Path, judged};
 use crate::plane::Scene;
 use crate::plane::planners;
 use crate::recognize::{check_reach, check_tip};
+use crate::{Dimension, Error};
 
 pub use crate::plane::planners::EllisCounters;
 use crate::sensor::Sensor;
@@ -207,8 +207,8 @@ pub(crate) fn checked_line(line: Line, size: f64) -> Result<Line, Error> {
 
 /// Made unit, whatever its length, but zero.
 #[must_use]
-pub fn normalized(direction: DVec2) -> Option<DVec2> {
-    let largest = direction.abs().max_element();
+pub fn normalized<V: Dimension>(direction: V) -> Option<V> {
+    let largest = direction.largest_coordinate();
     if largest.is_finite() { (direction / largest).try_normalize() } else { None }
 }
 
