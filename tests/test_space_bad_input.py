@@ -22,10 +22,8 @@ IDLE = SimpleNamespace(touch=print, move=print, position=print)
 PLANE_ONLY = [
     lambda: hypotheses()[0].poses.outline((0, 0, 0)),
     lambda: hypotheses()[0].poses.thesis_pose.excursion((0, 0, 0)),
-    lambda: bracket().first_contact(np.eye(4), (0, 0, 90), (0, 0, -1)),
     lambda: palpate.projection_space(hypotheses(), usual_sensor()),
     lambda: palpate.Lines(hypotheses(), usual_sensor()),
-    lambda: palpate.SimulatedProbe(bracket(), POSE, usual_sensor()),
     lambda: palpate.identify([bracket()], IDLE, usual_sensor(), [[0, 0], [1, 1]]),
 ]
 
@@ -58,6 +56,11 @@ def prior(world_from_model=POSE, **changes):
 
 def contact(point=(1, 2, 3), **rest):
     return palpate.Contact(point, position_error=0.5, **rest)
+
+
+def first_contact(**changes):
+    given = {"world_from_model": POSE, "start": (0, 0, 90), "direction": (0, 0, -1), "tip_radius": 1.0}
+    return bracket().first_contact(**(given | changes))
 
 
 def poses():
@@ -132,6 +135,11 @@ BAD = [
     (lambda n: poses().sample(n), {"n": -1}, "n: must be a whole number, 0 or more (got -1)", "int"),
     (lambda n: poses().sample(n), {"n": 10**12}, "n: is more than ten million", "in parts"),
     (lambda point: bracket().distance(np.eye(4), point), {"point": (0, 0)}, "point: must have shape (3,), has (2,)", MIXED),
+    (first_contact, {"world_from_model": np.eye(3)}, "world_from_model: must have shape (4, 4), has (3, 3)", MIXED),
+    (first_contact, {"start": (0, 0)}, "start: must have shape (3,), has (2,)", MIXED),
+    (first_contact, {"direction": (0, 0, 0)}, "direction: must not be zero", "any length"),
+    (first_contact, {"direction": (0, 0, NAN)}, "direction: must be finite", "give finite numbers"),
+    (first_contact, {"tip_radius": -1}, "tip_radius: must be a finite number, zero or more (got -1)", "length"),
 ]  # fmt: skip
 
 

@@ -124,6 +124,58 @@ def test_distance_in_space():
     assert model.distance(np.eye(4), (5, 7, 12)) == pytest.approx(-5)
 
 
+def test_first_contact_in_space():
+    part, there = cube(), turned(0, 0, 0, (0, 100, 0))
+    met = part.first_contact(there, (-4, 115, 90), (0, 0, -2), 5.0)
+    assert (met.depth, met.feature[0], met.touchable) == (pytest.approx(57.0), "edge", True)
+    assert np.allclose(met.center, (-4, 115, 33)) and np.allclose(met.normal, (-0.8, 0, 0.6))
+    assert np.allclose(part.edges[met.feature[1]], [[0, 0, 30], [0, 30, 30]]) or np.allclose(
+        part.edges[met.feature[1]], [[0, 30, 30], [0, 0, 30]]
+    )
+    assert met == part.first_contact(there, (-4, 115, 90), (0, 0, -2), tip_radius=5.0)
+    assert part.first_contact(there, (-4, 115, 90), (0, 0, -2)) is None
+    assert part.first_contact(there, (-4, 115, 90), (0, 0, 1), 5.0) is None
+    assert repr(met) == f"<FirstContact: edge {met.feature[1]} at depth 57.000000>"
+    # Where the face ends, the ball rests on it; a point meets it there.
+    for radius in (0.0, 5.0):
+        met = part.first_contact(there, (0, 115, 90), (0, 0, -1), radius)
+        assert (met.depth, met.feature) == (60 - radius, ("face", face_of(part, (0, 0, 1), (0, 0, 30))))
+    with pytest.raises(ValueError, match="read-only"):
+        met.normal[0] = 1.0
+
+
+@pytest.mark.parametrize("name", palpate.solid_part_names())
+def test_points_meet_what_trimesh_says(name):
+    trimesh = pytest.importorskip("trimesh", reason="trimesh is in the extra palpate[test]")
+    pytest.importorskip("rtree", reason="trimesh casts rays with rtree")
+    (model,) = palpate.load_models([name])
+    mesh = trimesh.Trimesh(model.vertices, model.triangles, process=False)
+    random = np.random.default_rng(4)
+    starts = 1.3 * model.size * unit(random.normal(size=(500, 3))) + mesh.bounds.mean(axis=0)
+    directions = unit(random.uniform(*mesh.bounds, size=(500, 3)) - starts)
+    places, rays, triangles = mesh.ray.intersects_location(starts, directions)
+    depths = np.full(500, math.inf)
+    np.minimum.at(depths, rays, np.einsum("ni,ni->n", places - starts[rays], directions[rays]))
+    num_met = 0
+    for k, (start, direction) in enumerate(zip(starts, directions, strict=True)):
+        world = POSE[:3, :3] @ start + POSE[:3, 3], POSE[:3, :3] @ direction
+        met = model.first_contact(POSE, *world)
+        assert (met is None) == math.isinf(depths[k])
+        if met is None:
+            continue
+        num_met += 1
+        assert met.depth == pytest.approx(depths[k], abs=1e-6)
+        of_ray = rays == k
+        nearest = triangles[of_ray][np.argmin(np.linalg.norm(places[of_ray] - start, axis=1))]
+        assert met.feature == ("face", model.triangle_faces[nearest]) and met.touchable
+        assert np.allclose(met.normal, POSE[:3, :3] @ mesh.face_normals[nearest], atol=1e-6)
+    assert num_met > 200
+
+
+def unit(vectors):
+    return vectors / np.linalg.norm(vectors, axis=1)[:, None]
+
+
 def test_contacts_and_misses_of_space():
     contact = palpate.Contact.from_tip(
         (1, 2, 3),

@@ -259,21 +259,22 @@ class Model:
     ) -> FirstContact | None:
         """What a round tip meets first on its straight way, the part being at a pose: exact, without any error (3.2).
 
-        A point that meets a corner meets one of its faces. In the plane only.
+        A point that meets an edge or a corner meets one of its faces; where a face ends, a round tip that touches it touches the
+        face. In space the tip is a ball, and its depth right to 1e-12 of the largest length or coordinate, over the cosine of the
+        incidence.
 
         Args:
-            world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
+            world_from_model: Where the part is, a rigid motion, shape `(d + 1, d + 1)`.
             start: Where the centre of the tip begins, shape `(d,)`, world frame. The tip is to be clear of the part there:
                 `distance` of it is above `tip_radius`.
-            direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
+            direction: Direction of travel, shape `(d,)`, world frame, of any length but zero.
             tip_radius: Radius of the tip; zero or more.
 
         Returns:
             What is met; None if nothing is, however far the tip goes.
 
         Raises:
-            ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite; a
-                part in space.
+            ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite.
         """
 
     def distance(self, world_from_model: ArrayLike, point: ArrayLike) -> float:
@@ -302,16 +303,16 @@ class FirstContact:
         """How far the centre of the tip has gone."""
     @property
     def center(self) -> NDArray[float64]:
-        """Where the centre of the tip then is, shape `(2,)`, world frame."""
+        """Where the centre of the tip then is, shape `(d,)`, world frame."""
     @property
     def normal(self) -> NDArray[float64]:
-        """Unit outward normal of what is touched, shape `(2,)`, world frame."""
+        """Unit outward normal of what is touched, shape `(d,)`, world frame: from an edge or a corner towards the centre of the tip."""
     @property
-    def feature(self) -> tuple[Literal["face", "vertex"], int]:
+    def feature(self) -> tuple[Literal["face", "edge", "vertex"], int]:
         """Kind and number of what is touched."""
     @property
     def touchable(self) -> bool:
-        """Whether a reading may come from there: not from an untouchable face, the back of a loose one, or their corners."""
+        """Whether a reading may come from there: not from an untouchable face, the back of a loose one, or their edges and corners."""
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
 

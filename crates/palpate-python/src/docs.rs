@@ -156,21 +156,22 @@ all in the plane have none."
     ("Model.first_contact") => {
         r"What a round tip meets first on its straight way, the part being at a pose: exact, without any error (3.2).
 
-A point that meets a corner meets one of its faces. In the plane only.
+A point that meets an edge or a corner meets one of its faces; where a face ends, a round tip that touches it touches the
+face. In space the tip is a ball, and its depth right to 1e-12 of the largest length or coordinate, over the cosine of the
+incidence.
 
 Args:
-    world_from_model: Where the part is, a rigid motion, shape `(3, 3)`.
+    world_from_model: Where the part is, a rigid motion, shape `(d + 1, d + 1)`.
     start: Where the centre of the tip begins, shape `(d,)`, world frame. The tip is to be clear of the part there:
         `distance` of it is above `tip_radius`.
-    direction: Direction of travel, shape `(2,)`, world frame, of any length but zero.
+    direction: Direction of travel, shape `(d,)`, world frame, of any length but zero.
     tip_radius: Radius of the tip; zero or more.
 
 Returns:
     What is met; None if nothing is, however far the tip goes.
 
 Raises:
-    ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite; a
-        part in space."
+    ValueError: Another shape, no rigid motion, a zero direction, a negative radius, a number that is not finite."
     };
     ("Model.distance") => {
         r"How far a point is from the part at a pose; negative inside, if the part is closed.
@@ -191,16 +192,16 @@ Immutable; equal if all numbers are equal."
         r"How far the centre of the tip has gone."
     };
     ("FirstContact.center") => {
-        r"Where the centre of the tip then is, shape `(2,)`, world frame."
+        r"Where the centre of the tip then is, shape `(d,)`, world frame."
     };
     ("FirstContact.normal") => {
-        r"Unit outward normal of what is touched, shape `(2,)`, world frame."
+        r"Unit outward normal of what is touched, shape `(d,)`, world frame: from an edge or a corner towards the centre of the tip."
     };
     ("FirstContact.feature") => {
         r"Kind and number of what is touched."
     };
     ("FirstContact.touchable") => {
-        r"Whether a reading may come from there: not from an untouchable face, the back of a loose one, or their corners."
+        r"Whether a reading may come from there: not from an untouchable face, the back of a loose one, or their edges and corners."
     };
     ("Contact") => {
         r"The tip of a probe rests on the part (2.2).

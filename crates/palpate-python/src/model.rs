@@ -13,11 +13,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use crate::convert::{
-    self, damaged, flat, members, number, plane_only, raise, restore, restored, text, vector, vectors,
-    vectors_array, whole,
+    self, damaged, flat, members, number, raise, restore, restored, text, vector, vectors, vectors_array,
+    whole,
 };
 use crate::dimension::{AnyModel, In, Vector};
-use crate::first_contact::PyFirstContact;
+use crate::first_contact::{Met, PyFirstContact};
 
 type Any<'py> = Bound<'py, PyAny>;
 type Array1<'py> = Bound<'py, PyArray1<f64>>;
@@ -388,16 +388,20 @@ impl PyModel {
         direction: &Any<'_>,
         tip_radius: Option<&Any<'_>>,
     ) -> PyResult<Option<PyFirstContact>> {
-        let In::Plane(model) = &self.model else {
-            let remedy = "give a model of dimension 2";
-            return Err(plane_only("first_contact", "a model of dimension 3", remedy));
-        };
-        let pose = convert::pose("world_from_model", world_from_model)?;
-        let line =
-            Line { start: vector("start", start)?, direction: convert::direction("direction", direction)? };
         let radius = tip_radius.map_or(Ok(0.0), |radius| convert::length("tip_radius", radius))?;
-        let found = model.first_contact(pose, &line, radius);
-        Ok(found.map(|contact| PyFirstContact { contact, line }))
+        let found = match &self.model {
+            In::Plane(model) => {
+                let (pose, line) = placed_line(world_from_model, start, direction)?;
+                let found = model.first_contact(pose, &line, radius);
+                found.map(|contact| In::Plane(Met { contact, line }))
+            }
+            In::Space(model) => {
+                let (pose, line) = placed_line(world_from_model, start, direction)?;
+                let found = model.first_contact(pose, &line, radius);
+                found.map(|contact| In::Space(Met { contact, line }))
+            }
+        };
+        Ok(found.map(PyFirstContact))
     }
 
     #[doc = doc!("Model.distance")]
@@ -464,6 +468,19 @@ impl PyModel {
     fn in_triangles(&self) -> &[([u32; 3], u32)] {
         if let In::Space(model) = &self.model { &model.triangles } else { &[] }
     }
+}
+
+/// Where a part is, and a line on which it may be met.
+fn placed_line<V: Vector>(
+    world_from_model: &Any<'_>,
+    start: &Any<'_>,
+    direction: &Any<'_>,
+) -> PyResult<(V::Pose, Line<V>)> {
+    let pose = convert::pose("world_from_model", world_from_model)?;
+    Ok((
+        pose,
+        Line { start: vector("start", start)?, direction: convert::direction("direction", direction)? },
+    ))
 }
 
 /// The places of numbered corners.

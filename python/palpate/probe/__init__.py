@@ -5,8 +5,9 @@ the d coordinates of the models; lengths are in the models' unit, angles in radi
 frame.
 """
 
+from palpate.probe.errors import Noise
 from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Probe, Reply, Skid, UnexpectedTouch
-from palpate.probe.simulated import Noise, SimulatedProbe, random_pose
+from palpate.probe.simulated import SimulatedProbe, random_pose
 
 __all__ = [
     "AlreadyTouching",

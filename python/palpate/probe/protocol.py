@@ -1,4 +1,8 @@
-"""What the loop asks of a probe, and what a probe may answer."""
+"""What the loop asks of a probe, and what a probe may answer.
+
+Points have the d coordinates of the models: shape `(2,)` in the plane, where the tip is a disc, and `(3,)` in
+space, where it is a ball.
+"""
 
 from __future__ import annotations
 

@@ -6,29 +6,27 @@ import hashlib
 import json
 import math
 from collections import Counter
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from palpate._core import Contact, FirstContact, Miss, Model, Sensor
 from palpate.model_json import document_of
+from palpate.probe.errors import ERRORS, Array, Noise, PlanarErrors, random_rotation
 from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Reply, Skid, UnexpectedTouch
-
-Array: TypeAlias = NDArray[np.float64]
-Noise: TypeAlias = Literal["uniform", "bounds", "none"]
 
 MOST_TURNS = 1000  # are tried for one that leaves room
 
 
 class SimulatedProbe:
-    """A disc-shaped tip in the plane, moved against the true part at its true pose (thesis 4.1, 4.3).
+    """A round tip, moved against the true part at its true pose (thesis 4.1, 4.3): a disc, in space a ball.
 
     The touch itself is exact; on it come the errors of the sensor. The tip moves parallel to its line, off
-    it by up to `path_error`. It presses on by up to `overtravel` before it is read. The sensed centre is
-    then off by so much more that the whole error stays within `position_error`, the sensed normal within
-    `normal_error`. Free moves are exact. Touches on untouchable faces are skids, as those beyond the largest
-    reliable incidence are.
+    it by up to `path_error`, in space to any side. It presses on by up to `overtravel` before it is read.
+    The sensed centre is then off by so much more that the whole error stays within `position_error`, the
+    sensed normal within `normal_error`. Free moves are exact. Touches on untouchable faces are skids, as
+    those beyond the largest reliable incidence are.
 
     Same seed and same move, same reply, whatever was done before; a move that is made again has other
     errors. A touch sets the tip down at its start, wherever it was. Implements `Probe`.
@@ -50,24 +48,24 @@ class SimulatedProbe:
 
         Args:
             model: The true part; it is touched as it is drawn, whatever its slacks are.
-            world_from_model: Its pose, a rigid motion, shape `(3, 3)`.
+            world_from_model: Its pose, a rigid motion, shape `(d + 1, d + 1)`.
             sensor: Bounds of the errors that are made, tip radius and largest reliable incidence.
             seed: Chooses the errors.
-            noise: `"uniform"`: errors uniform within the bounds, of the centre in the disc. `"bounds"`:
-                every error as large as it may be, its sign or its direction at random. `"none"`: no errors.
+            noise: `"uniform"`: errors uniform within the bounds: of the centre in the disc or ball, of the
+                normal in the arc or cone. `"bounds"`: every error as large as it may be, its sign or its
+                direction at random. `"none"`: no errors.
             overtravel: How far the tip may press on in its direction of travel before it is read: a
                 one-sided error, at most `position_error`, of which it is a part.
             believed: Bounds that replies claim; those of `sensor` if not given. Smaller ones make a probe
                 whose readings lie outside of their stated bounds.
-            position: Where the tip is at first, shape `(2,)`; None: not known.
+            position: Where the tip is at first, shape `(d,)`; None: not known.
 
         Raises:
-            ValueError: A model that is not planar, another shape, no rigid motion, an unknown noise, a
-                negative seed, an overtravel that does not fit into the position error, numbers that are not
-                finite.
+            ValueError: Another shape, no rigid motion, an unknown noise, a negative seed, an overtravel that
+                does not fit into the position error, numbers that are not finite.
         """
         _check(model, sensor, believed, seed=seed, noise=noise)
-        model.distance(world_from_model, (0.0, 0.0))  # refuses what is no pose
+        model.distance(world_from_model, np.zeros(model.dimension))  # refuses what is no pose
         if not (math.isfinite(overtravel) and 0.0 <= overtravel <= sensor.position_error):
             raise ValueError(
                 f"overtravel: must be from zero to the position error, {sensor.position_error:g} "
@@ -81,8 +79,7 @@ class SimulatedProbe:
         self._overtravel = float(overtravel)
         self._seed = seed
         self._times: Counter[bytes] = Counter()
-        self._random = np.random.default_rng(seed)
-        self._position = None if position is None else point_of("position", position)
+        self._position = None if position is None else self._point_of("position", position)
         self._came_from: Array | None = None
 
     @property
@@ -102,7 +99,7 @@ class SimulatedProbe:
 
     @property
     def position(self) -> Array | None:
-        """Where the tip's centre is sensed to be, shape `(2,)`; None before the first move, unless given."""
+        """Where the tip's centre is sensed to be, shape `(d,)`; None before the first move, unless given."""
         return None if self._position is None else self._position.copy()
 
     def touch(self, start: ArrayLike, end: ArrayLike) -> Reply:
@@ -111,17 +108,16 @@ class SimulatedProbe:
         Raises:
             ValueError: Another shape, a number that is not finite, a move of no length.
         """
-        start, end = point_of("start", start), point_of("end", end)
+        start, end = self._point_of("start", start), self._point_of("end", end)
         way = end - start
-        length = float(np.hypot(*way))
+        length = float(np.hypot.reduce(way))
         if not length > 0.0:
             raise ValueError(
                 f"end: must differ from start (got {end.tolist()} for both); give a move with a length"
             )
         direction = way / length
-        left = np.array([-direction[1], direction[0]])
-        self._random = self._errors_of(start, end)
-        begin = start + self._error(self._sensor.path_error) * left
+        errors = self._errors_of(start, end)
+        begin = start + errors.across(direction, self._sensor.path_error)
         self._position, self._came_from = start, start
         if self._distance(begin) <= self._sensor.tip_radius:
             return AlreadyTouching()
@@ -129,16 +125,17 @@ class SimulatedProbe:
         if met is None or met.depth > length:
             self._position = end
             return self._free(start, end)
-        center = self._sensed_center(met, direction)
+        center = self._sensed_center(met, direction, errors)
         self._position = center
         if not met.touchable or -direction @ met.normal < math.cos(self._sensor.max_incidence):
             short = float(direction @ (center - start)) - self._believed.position_error
             return Skid(self._free(start, start + max(0.0, short) * direction))
-        return Hit(self._contact(start, direction, center, met=met))
+        normal = errors.turned(met.normal, self._sensor.normal_error or 0.0)
+        return Hit(self._contact(start, direction, center, normal=normal))
 
     def made(self, start: ArrayLike, end: ArrayLike) -> None:
         """The guarded move was made before, by a run that is taken up: made again, it has other errors."""
-        self._errors_of(point_of("start", start), point_of("end", end))
+        self._errors_of(self._point_of("start", start), self._point_of("end", end))
 
     def move(self, points: ArrayLike) -> UnexpectedTouch | Fault | None:
         """Move freely; see `Probe.move`. The way back to the start of the last guarded move is free.
@@ -147,7 +144,7 @@ class SimulatedProbe:
             ValueError: Another shape, or a number that is not finite.
         """
         for k, point in enumerate(np.asarray(points, dtype=float)):
-            point = point_of(f"points[{k}]", point)
+            point = self._point_of(f"points[{k}]", point)
             back = self._came_from is not None and np.array_equal(point, self._came_from)
             if self._position is not None and not back:
                 where = self._obstacle(self._position, point)
@@ -162,18 +159,22 @@ class SimulatedProbe:
         if self._distance(start) < self._sensor.tip_radius:
             return start
         way = end - start
-        length = float(np.hypot(*way))
+        length = float(np.hypot.reduce(way))
         if length == 0.0:
             return None
         met = self._first_contact(start, way / length)
         return met.center.copy() if met is not None and met.depth <= length else None
 
-    def _errors_of(self, start: Array, end: Array) -> np.random.Generator:
+    def _point_of(self, argument: str, value: ArrayLike) -> Array:
+        return point_of(argument, value, self._model.dimension)
+
+    def _errors_of(self, start: Array, end: Array) -> PlanarErrors:
         """Chosen by the move itself, so that a run that is taken up again meets the same errors."""
         move = np.concatenate([start, end]) + 0.0  # no negative zeros
         self._times[move.tobytes()] += 1
         words = np.frombuffer(move.astype("<f8").tobytes(), dtype="<u4")
-        return np.random.default_rng([self._seed, self._times[move.tobytes()], *words.tolist()])
+        random = np.random.default_rng([self._seed, self._times[move.tobytes()], *words.tolist()])
+        return ERRORS[self._model.dimension](random, self._noise)
 
     def _distance(self, point: Array) -> float:
         return self._model.distance(self._world_from_model, point)
@@ -185,44 +186,27 @@ class SimulatedProbe:
         believed = self._believed
         return Miss(start, end, tip_radius=believed.tip_radius, path_error=believed.path_error)
 
-    def _sensed_center(self, met: FirstContact, direction: Array) -> Array:
-        pressed = self._overtravel * (abs(self._error(1.0)) if self._overtravel else 0.0)
-        room = self._sensor.position_error - self._overtravel
-        radius = 0.0 if self._noise == "none" else room
-        if self._noise == "uniform":
-            radius *= math.sqrt(self._random.uniform())
-        toward = self._random.uniform(-math.pi, math.pi)
-        error = radius * np.array([math.cos(toward), math.sin(toward)])
+    def _sensed_center(self, met: FirstContact, direction: Array, errors: PlanarErrors) -> Array:
+        pressed = self._overtravel * (abs(errors.signed(1.0)) if self._overtravel else 0.0)
+        error = errors.anywhere(self._sensor.position_error - self._overtravel)
         return np.asarray(met.center + pressed * direction + error)
 
-    def _contact(self, start: Array, direction: Array, center: Array, *, met: FirstContact) -> Contact:
+    def _contact(self, start: Array, direction: Array, center: Array, *, normal: Array) -> Contact:
         believed = self._believed
-        reads_normal = believed.normal_error is not None
-        turn = self._error(self._sensor.normal_error or 0.0)
         return Contact.from_tip(
             center,
             believed.tip_radius,
             position_error=believed.position_error,
-            normal=_turned(met.normal, turn) if reads_normal else None,
+            normal=None if believed.normal_error is None else normal,
             normal_error=believed.normal_error,
             approach=direction,
             start=start if believed.path_error <= believed.position_error else None,
         )
 
-    def _error(self, bound: float) -> float:
-        """An error of one kind; drawn also where there is none, so that those of others stay the same."""
-        drawn = self._random.uniform(-1.0, 1.0)
-        return {"uniform": drawn, "bounds": math.copysign(1.0, drawn), "none": 0.0}[self._noise] * bound
-
 
 def _check(model: Any, sensor: Any, believed: Any, *, seed: Any, noise: Any) -> None:
     if not isinstance(model, Model):
         raise ValueError(f"model: must be a Model (got {model!r}); give palpate.Model")
-    if model.dimension != 2:
-        raise ValueError(
-            f"model: only planar parts can be simulated (got {model.name!r} of dimension {model.dimension}); "
-            "give one of dimension 2"
-        )
     for name, value in (("sensor", sensor), ("believed", believed)):
         if not isinstance(value, Sensor) and not (name == "believed" and value is None):
             raise ValueError(f"{name}: must be a Sensor (got {value!r}); give palpate.Sensor")
@@ -240,14 +224,15 @@ def random_pose(model: Model, workspace: Array, *, room: float, random: np.rando
     Raises:
         ValueError: None of many random turns leaves room.
     """
+    d = model.dimension
     for _ in range(MOST_TURNS):
-        angle = random.uniform(-math.pi, math.pi)
-        cosine, sine = math.cos(angle), math.sin(angle)
-        turned = model.vertices @ np.array([[cosine, -sine], [sine, cosine]]).T
+        rotation = random_rotation(d, random)
+        turned = model.vertices @ rotation.T
         low, high = workspace[0] + room - turned.min(axis=0), workspace[1] - room - turned.max(axis=0)
         if (low <= high).all():
-            x, y = random.uniform(low, high)
-            return np.array([[cosine, -sine, x], [sine, cosine, y], [0.0, 0.0, 1.0]])
+            pose = np.eye(d + 1)
+            pose[:d, :d], pose[:d, d] = rotation, random.uniform(low, high)
+            return pose
     raise ValueError(
         f"workspace: {model.name!r} has no room in it (got none of {MOST_TURNS} random rotations); "
         "give a larger one"
@@ -265,20 +250,17 @@ def sensor_entry(sensor: Sensor) -> dict[str, Any]:
     }
 
 
-def point_of(argument: str, value: ArrayLike) -> Array:
-    """A point of the plane, or a line that names the argument."""
+def point_of(argument: str, value: ArrayLike, dimension: int = 2) -> Array:
+    """A point of the plane, or of space, or a line that names the argument."""
     try:
         point = np.array(value, dtype=float)
     except (TypeError, ValueError):
         point = np.array([])
-    if point.shape != (2,):
-        raise ValueError(f"{argument}: must be a point of the plane, shape (2,) (got {value!r}); give (x, y)")
+    if point.shape != (dimension,):
+        where, example = {2: ("the plane", "(x, y)"), 3: ("space", "(x, y, z)")}[dimension]
+        raise ValueError(
+            f"{argument}: must be a point of {where}, shape ({dimension},) (got {value!r}); give {example}"
+        )
     if not np.isfinite(point).all():
         raise ValueError(f"{argument}: must be finite (got {value!r}); give finite numbers")
     return point
-
-
-def _turned(direction: Array, angle: float) -> Array:
-    cosine, sine = math.cos(angle), math.sin(angle)
-    x, y = direction
-    return np.array([cosine * x - sine * y, sine * x + cosine * y])
