@@ -6,9 +6,8 @@ use fastrand::Rng;
 use glam::{DMat3, DVec3};
 use palpate::plan::Prepared;
 use palpate::space::{Model, Pose};
-use palpate::{Hypothesis, Path, Reading, Sensor, plan};
+use palpate::{Hypothesis, Line, Path, Reading, Sensor, plan};
 
-use crate::common::uniform;
 use crate::planning_space;
 use crate::promise::Counts;
 use crate::solids::direction;
@@ -107,20 +106,40 @@ fn readings(
     counts
 }
 
+/// A line to some place of a face of some hypothesis, more or less against its normal.
+fn line(
+    random: &mut Rng,
+    prepared: &Prepared<DVec3>,
+    hypotheses: &[Hypothesis<DVec3>],
+) -> Option<Line<DVec3>> {
+    let hypothesis = &hypotheses[random.usize(0..hypotheses.len())];
+    let pose = hypothesis.poses.witness();
+    let (corners, face) = &hypothesis.model.triangles[random.usize(0..hypothesis.model.triangles.len())];
+    let shares = [0, 1, 2].map(|_| random.f64() + 1e-3);
+    let at =
+        corners.iter().zip(shares).map(|(k, share)| share * hypothesis.model.vertices[*k as usize].point);
+    let place = at.sum::<DVec3>() / shares.iter().sum::<f64>();
+    let normal = pose.rotation * hypothesis.model.faces[*face as usize].normal;
+    let along = (0.7 * random.f64() * direction(random) - normal).normalize();
+    prepared.line(along, pose.apply(place))
+}
+
 /// All that is simulated for the problem of a number: usable random lines, and the path that is planned.
 pub fn of_problem(number: u64) -> Counts {
     let planning_space::Case { hypotheses, sensor, settings, .. } = planning_space::case(number);
     let mut random = Rng::with_seed(number);
     let prepared = Prepared::new(&hypotheses, &sensor, &settings).expect("hypotheses");
-    let lines: Vec<_> = (0..NUM_LINES)
-        .filter_map(|_| {
-            let along = direction(&mut random);
-            let aside = prepared.radius() * uniform(&mut random, 0.0, 1.0).sqrt();
-            prepared.line(along, prepared.middle() + aside * across(&mut random, along))
-        })
-        .collect();
-    let usable = lines.iter().filter(|line| prepared.score(line).is_some()).take(NUM_PATHS);
-    let mut paths: Vec<Path<DVec3>> = usable.map(|line| prepared.judge(line)).collect();
+    let mut paths: Vec<Path<DVec3>> = Vec::new();
+    for _ in 0..NUM_LINES {
+        let line = line(&mut random, &prepared, &hypotheses);
+        // A path that may touch nothing promises little.
+        let tells = |path: &Path<DVec3>| path.outcomes.iter().any(|outcome| !outcome.touches.is_empty());
+        let usable = line.filter(|line| prepared.score(line).is_some());
+        paths.extend(usable.map(|line| prepared.judge(&line)).filter(tells));
+        if paths.len() >= NUM_PATHS {
+            break;
+        }
+    }
     paths.extend(plan(&hypotheses, &sensor, &settings).expect("a plan").path);
     let mut counts = Counts { paths: paths.len() as u64, ..Counts::default() };
     for path in &paths {
