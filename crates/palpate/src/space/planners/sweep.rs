@@ -12,7 +12,6 @@ use rayon::prelude::*;
 use super::polish::polished;
 use super::rendering::{Grid, Rendering, clearances};
 use crate::best::Best;
-use crate::judge::Verdict;
 use crate::line::Line;
 use crate::plan::PlanSettings;
 use crate::scene::Scene;
@@ -70,26 +69,32 @@ pub(super) fn sweep(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, 
         let most = if best.thorough { MOST_LOOKED_AT } else { MOST_JUDGED };
         looked_at.truncate(most);
         for some in looked_at.chunks(JUDGED_AT_ONCE) {
-            // What can't be used, or leaves more than the best, goes by the way.
             let members = best.members;
             let most = if best.thorough { usize::MAX } else { best.num_left() };
-            let better = |(proposal, line): &(Proposal, Line<DVec3>)| {
-                if proposal.left > most {
-                    return Vec::new();
-                }
-                let lines = [polished(scene, members, line), Some(*line)].into_iter().flatten();
-                let told = lines.map(|line| (line, scene.verdict(&line, members, 0.0)));
-                let usable = |(_, verdict): &(Line<DVec3>, Option<Verdict>)| {
-                    verdict.as_ref().is_some_and(|verdict| verdict.num_left() <= most)
-                };
-                told.filter(usable).map(|(line, _)| line).collect()
+            let with_room = |(proposal, line): &(Proposal, Line<DVec3>)| {
+                let roomier = if proposal.left <= most { polished(scene, members, line) } else { None };
+                let itself = (proposal.left <= most).then_some(*line);
+                [roomier, itself].into_iter().flatten().collect::<Vec<_>>()
             };
-            let lines: Vec<Vec<Line<DVec3>>> = some.par_iter().map(better).collect();
-            for line in lines.iter().flatten() {
-                if best.enough(stop) || spent(best) {
+            let mut lines: Vec<Line<DVec3>> = some.par_iter().flat_map_iter(with_room).collect();
+            let left = settings.effort.saturating_sub(best.num_judged);
+            lines.truncate(usize::try_from(left).unwrap_or(usize::MAX));
+            // Whether a line may become the best: what can't be used, or leaves more, goes by the way.
+            let thorough = best.thorough;
+            let may = |line: &Line<DVec3>| {
+                thorough
+                    || scene.verdict(line, members, 0.0).is_some_and(|verdict| verdict.num_left() <= most)
+            };
+            let may_lead: Vec<bool> = lines.par_iter().map(may).collect();
+            for (line, may_lead) in lines.iter().zip(may_lead) {
+                if best.enough(stop) || late() {
                     break;
                 }
-                best.offer(line);
+                if may_lead {
+                    best.offer(line);
+                } else {
+                    best.num_judged += 1;
+                }
             }
             if best.enough(stop) || spent(best) {
                 break;
