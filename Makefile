@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -101,7 +101,11 @@ promises: | .venv/.cargo ## 1,000,000 simulated readings: is any promise of a pa
 	mkdir -p target/figures
 	cargo run --quiet --release --example promises -- $(ARGS) > target/figures/promises.json
 
-planning-figures: .venv/.built promises ## measure planning; writes docs/planning-figures.md anew (some minutes)
+promises-space: | .venv/.cargo ## 200,000 of solids, at balls and points (some minutes)
+	mkdir -p target/figures
+	cargo run --quiet --release --example promises -- $(or $(ARGS),200000) space > target/figures/promises_space.json
+
+planning-figures: .venv/.built promises promises-space ## measure planning; writes docs/planning-figures.md anew (some minutes)
 	cargo run --quiet --release --example touches > target/figures/touches.json
 	cargo run --quiet --release --example plan_speed > target/figures/plan_speed.json
 	$(BIN)/python -m palpate.experiments.planning target/figures docs/planning-figures.md

@@ -1,15 +1,19 @@
 """Planning in space from Python: shapes, pickles, and what is refused."""
 
 import copy
+import json
 import math
 import pickle
+from importlib.resources import files
 
+import jsonschema
 import numpy as np
 import pytest
 from brackets import POINTS, POSE, bracket, touches
 from conftest import hypotheses_of, usual_sensor
 
 import palpate
+from palpate.plan_json import path_entry
 
 HANDS = hypotheses_of("human-hand")
 FOUND = palpate.recognize([bracket()], touches()[:2]).hypotheses
@@ -81,6 +85,38 @@ def test_normals_of_the_plane_are_in_their_cap():
         for side, at in ((-angle, start), (angle, end)):
             turned = math.atan2(axis[1], axis[0]) + side
             assert math.cos(turned - at) == pytest.approx(1, abs=1e-12)
+
+
+def test_a_planned_touch_leaves_the_truth_alone():
+    models = palpate.load_models(["l-bracket", "rib-plate", "hexagon", "flange"])
+    bounds = {"position_error": 0.5, "normal_error": math.radians(4)}
+    touched = [
+        palpate.Contact((175.4, 160.2, 96.4), (-0.415, 0.769, 0.486), **bounds),
+        palpate.Contact((223.3, 37.7, 82.5), (0.412, -0.761, -0.5), **bounds),
+        palpate.Contact((216.9, 138.9, 83.1), (0.91, 0.326, 0.257), **bounds),
+        palpate.Contact((221.1, 23.7, 109.5), (-0.012, -0.559, 0.829), **bounds),
+    ]
+    left = palpate.recognize(models, touched).hypotheses
+    sensor = palpate.Sensor(0.5, math.radians(4), math.radians(60))
+    path = palpate.plan(left, sensor)
+    assert len(left) > 1 and path.score == 1.0
+    document = path_entry(path)
+    assert "angle_deg" not in document and len(document["direction"]) == 3
+    schema = json.loads((files(palpate) / "schemas" / "plan-1.json").read_text(encoding="utf-8"))
+    jsonschema.validate(document, {"$ref": "#/$defs/path", "$defs": schema["$defs"]})
+    for number, hypothesis in enumerate(left):
+        for seed, pose in enumerate(hypothesis.poses.sample(3, seed=2)):
+            probe = palpate.SimulatedProbe(hypothesis.model, pose, sensor, seed=seed, noise="bounds")
+            reply = probe.touch(path.start, path.end)
+            contact = reply.contact if isinstance(reply, palpate.Hit) else None
+            assert path.outcome_of(contact) == [number]
+            after = palpate.recognize(models, [*touched, *([] if contact is None else [contact])]).hypotheses
+            assert any(one.model.name == hypothesis.model.name and one.poses.contains(pose) for one in after)
+
+
+def test_a_stem_is_not_simulated():
+    with pytest.raises(ValueError, match="sensor: its stem is not simulated"):
+        palpate.SimulatedProbe(bracket(), POSE, usual_sensor(stem=STEM))
 
 
 def test_one_hypothesis_needs_no_path():

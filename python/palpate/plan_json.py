@@ -37,10 +37,11 @@ def sensor_entry(sensor: Sensor) -> dict[str, Any]:
 def path_entry(path: Path) -> dict[str, Any]:
     """All that there is to say of a path. Hypotheses are numbered from 0."""
     direction = path.direction
+    in_plane = len(direction) == 2
     return {
         "start": path.start.tolist(),
         "direction": direction.tolist(),
-        "angle_deg": math.degrees(math.atan2(direction[1], direction[0])),
+        **({"angle_deg": math.degrees(math.atan2(direction[1], direction[0]))} if in_plane else {}),
         "length": path.length,
         "margin": path.margin,
         "score": path.score,
@@ -104,10 +105,13 @@ def _outcome(outcome: Outcome) -> dict[str, Any]:
 
 
 def _touch(touch: Touch) -> dict[str, Any]:
+    axis, angle = touch.normal_cap
+    in_space = {"normal_axis": axis.tolist(), "normal_angle_deg": math.degrees(angle)}
+    in_plane = len(axis) == 2
     return {
         "feature": list(touch.feature),
         "depth": list(touch.depth),
-        "normals_deg": [math.degrees(angle) for angle in touch.normals],
+        **({"normals_deg": [math.degrees(end) for end in touch.normals]} if in_plane else in_space),
     }
 
 

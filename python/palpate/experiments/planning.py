@@ -183,7 +183,7 @@ def main() -> None:
     if lines.exists():
         whole = lines.read_text(encoding="utf-8").splitlines()
         rewrite(given.page, "campaign", campaign([json.loads(line) for line in whole]))
-    parts = {"promises": promises, "touches": touches, "plan_speed": speed}
+    parts = {"promises": promises, "promises_space": promises, "touches": touches, "plan_speed": speed}
     for name, part in parts.items():
         path = given.figures / f"{name}.json"
         if path.exists():

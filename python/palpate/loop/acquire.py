@@ -136,6 +136,11 @@ def random_contacts(
     """
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
         raise ValueError(f"count: must be a whole number, 1 or more (got {count!r}); give 2")
+    if model.dimension != 2:
+        raise ValueError(
+            f"model: is a part in space (got {model.name!r}); contacts of solids are not drawn here yet: "
+            "give a planar model, or touch with SimulatedProbe"
+        )
     SimulatedProbe(model, world_from_model, sensor, seed=seed, noise=noise)
     touchable = [k for k, surface in enumerate(model.face_surfaces) if surface == "touchable"]
     if not touchable:

@@ -210,6 +210,10 @@ def _check(model: Any, sensor: Any, believed: Any, *, seed: Any, noise: Any) -> 
     for name, value in (("sensor", sensor), ("believed", believed)):
         if not isinstance(value, Sensor) and not (name == "believed" and value is None):
             raise ValueError(f"{name}: must be a Sensor (got {value!r}); give palpate.Sensor")
+        if value is not None and value.stem is not None:
+            raise ValueError(
+                f"{name}: its stem is not simulated (got {value!r}); give one without, stem=None"
+            )
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise ValueError(f"seed: must be a whole number, zero or more (got {seed!r}); give another one")
     if noise not in get_args(Noise):
