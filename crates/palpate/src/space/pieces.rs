@@ -13,14 +13,18 @@ pub(super) struct View<'a> {
     points: &'a [DVec3],
     /// Which coordinates are seen, the first to the right.
     axes: [usize; 2],
+    normal: DVec3,
 }
+
+/// A corner counts as on a side if it is beyond it by no more than this share of the largest coordinate.
+const ROUNDING: f64 = 1e-13;
 
 impl<'a> View<'a> {
     /// From the side to which the normal points.
     pub(super) fn new(points: &'a [DVec3], normal: DVec3) -> Self {
         let hidden = normal.abs().max_position();
         let [x, y] = [(hidden + 1) % 3, (hidden + 2) % 3];
-        Self { points, axes: if normal[hidden] > 0.0 { [x, y] } else { [y, x] } }
+        Self { points, axes: if normal[hidden] > 0.0 { [x, y] } else { [y, x] }, normal }
     }
 
     /// A point as it is seen.
@@ -167,10 +171,36 @@ impl<'a> View<'a> {
 
     /// Triangles of a face joined to convex polygons: whatever cut is not needed goes, in order (Hertel and Mehlhorn
     /// 1983: at most four times as many pieces as are possible).
+    ///
+    /// A triangle that is turned around, as slivers of a face that can't be cut may be, stays by itself. Where corners are off
+    /// the plane, what is convex as seen along an axis need not be so along the normal, as pieces are used: a short side would
+    /// cut off what is far from it. The triangles stay then.
     pub(super) fn pieces(&self, triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+        let joined = self.joined_triangles(triangles);
+        if joined.iter().all(|piece| self.is_convex(piece)) {
+            return joined;
+        }
+        triangles.iter().map(|triangle| triangle.to_vec()).collect()
+    }
+
+    /// Whether no corner is beyond a side, seen along the normal.
+    fn is_convex(&self, piece: &[u32]) -> bool {
+        let at = |k: &u32| self.points[*k as usize];
+        let reach = piece.iter().map(|k| at(k).abs().max_element()).fold(0.0, f64::max);
+        let mut sides = piece.iter().zip(piece.iter().cycle().skip(1));
+        piece.len() == 3
+            || sides.all(|(a, b)| {
+                let inward = self.normal.cross(at(b) - at(a));
+                let least = -ROUNDING * reach * inward.length();
+                piece.iter().all(|c| inward.dot(at(c) - at(a)) >= least)
+            })
+    }
+
+    fn joined_triangles(&self, triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
         let mut pieces: Vec<Vec<u32>> = triangles.iter().map(|triangle| triangle.to_vec()).collect();
         let mut owner: HashMap<[u32; 2], usize> = HashMap::new();
-        for (k, [a, b, c]) in triangles.iter().copied().enumerate() {
+        let forward = |[a, b, c]: &[u32; 3]| self.turn(*a, *b, *c) > 0.0;
+        for (k, [a, b, c]) in triangles.iter().copied().enumerate().filter(|(_, one)| forward(one)) {
             for side in [[a, b], [b, c], [c, a]] {
                 owner.insert(side, k);
             }
