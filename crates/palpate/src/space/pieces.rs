@@ -244,3 +244,40 @@ impl<'a> View<'a> {
         convex.then(|| left[..left.len() - 1].iter().chain(&right[..right.len() - 1]).copied().collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, dvec3};
+
+    use super::View;
+
+    /// A face of a scanned part that can't be cut: a sliver is turned around, corners are off the plane. Every place of its
+    /// triangles is in a piece, as pieces are used: within all of their sides.
+    #[test]
+    fn pieces_hold_all_of_a_face_that_cannot_be_cut() {
+        let points = [
+            dvec3(24.846660118542392, 35.1775795866313, 43.79539587035194),
+            dvec3(24.134040037075483, 35.25746567242883, 50.92044765744189),
+            dvec3(24.100404533872997, 35.25746567242883, 51.25666319461112),
+            dvec3(24.10040228646866, 35.25649700116279, 51.25666375571259),
+            dvec3(24.10044021064824, 35.25746567242883, 51.25666375571259),
+            dvec3(24.890464230500566, -58.574250416622725, 48.88131917838505),
+            dvec3(24.890464230500566, 35.25746567242883, 43.35130168278364),
+            dvec3(24.847169550930513, 35.25746567242883, 43.78452916604004),
+        ];
+        let triangles = [[5, 0, 1], [5, 6, 0], [6, 7, 0], [5, 1, 4], [4, 1, 2], [4, 2, 3]];
+        let normal = dvec3(0.9950264896357807, 0.005859437668435947, 0.09943818136563778);
+        let pieces = View::new(&points, normal).pieces(&triangles);
+        let at = |k: &u32| points[*k as usize];
+        let holds = |place: DVec3, piece: &Vec<u32>| {
+            let mut sides = piece.iter().map(at).zip(piece.iter().cycle().skip(1).map(at));
+            sides.all(|(a, b)| normal.cross(b - a).dot(place - a) >= -1e-9)
+        };
+        for [a, b, c] in &triangles[..4] {
+            for (u, v, w) in [(0.2, 0.3, 0.5), (0.6, 0.2, 0.2), (0.1, 0.8, 0.1), (0.3, 0.3, 0.4)] {
+                let place = u * at(a) + v * at(b) + w * at(c);
+                assert!(pieces.iter().any(|piece| holds(place, piece)), "{place} is lost");
+            }
+        }
+    }
+}
