@@ -122,8 +122,10 @@ impl Shadow {
         let mut possible = Vec::new();
         let mut blocked: Option<f64> = None;
         let faces = self.faces_near(ray, keep);
-        for &number in &faces {
-            let (one, sure) = self.on_face(ray, number, ask);
+        // A loose face is in the way from behind as well, at some poses of the cell or at all.
+        let sides: &[bool] = if self.model.closed { &[true] } else { &[true, false] };
+        for (&number, &front) in faces.iter().flat_map(|face| sides.iter().map(move |front| (face, front))) {
+            let (one, sure) = self.on_face(ray, number, front, ask);
             possible.extend(one);
             if let Some(depth) = sure {
                 blocked = Some(blocked.map_or(depth, |known: f64| known.min(depth)));
@@ -188,24 +190,26 @@ impl Shadow {
         faces
     }
 
-    /// A contact of the tip with one face, moved out by the tip's radius, and by which depth the tip has met it, if it surely
+    /// A contact of the tip with one side of a face, moved out by the tip's radius, and by which depth the tip has met it, if it surely
     /// does.
     ///
     /// At depth `t` the tip's centre is at `q(t)`. With `g = n·q(t₀) − offset − r` at a depth `t₀`, it meets the face's plane
     /// at `t = t₀ − g/(n·u)`, where along a direction `e` of the plane it has `(e − f n)·q(t₀) + f (offset + r)`, with
     /// `f = (e·u)/(n·u)`; over the cell `f` changes by no more than the turn over the squared cosine of the incidence.
-    fn on_face(&self, ray: &mut Ray<'_>, number: u32, ask: &Granted<'_>) -> (Option<Possible>, Option<f64>) {
+    fn on_face(
+        &self,
+        ray: &mut Ray<'_>,
+        number: u32,
+        front: bool,
+        ask: &Granted<'_>,
+    ) -> (Option<Possible>, Option<f64>) {
         let face = &self.model.faces[number as usize];
         let turned = ray.cell.radius;
-        let mut away = angle(-ray.direction, face.normal);
-        let (mut normal, mut offset, mut front) = (face.normal, face.offset, true);
-        if away > FRAC_PI_2 && !self.model.closed {
-            // A loose face is in the way from behind.
-            (normal, offset, front, away) = (-normal, -offset, false, PI - away);
-        }
+        let (normal, offset) = if front { (face.normal, face.offset) } else { (-face.normal, -face.offset) };
+        let away = angle(-ray.direction, normal);
         let incidence = Range { low: (away - turned - ask.angle).max(0.0), high: away + turned + ask.angle };
         if incidence.low >= FRAC_PI_2 {
-            // The back of a closed part is never met first.
+            // It turns away at all poses of the cell: the tip would come through the part.
             return (None, None);
         }
         let touchable = front && face.surface == Surface::Touchable;
