@@ -75,8 +75,8 @@ impl Shadow {
     /// What the line may meet first, over all poses, or over the first cells, so many that it is as `enough` wants it; everything
     /// is wider by a margin, a length and an angle.
     ///
-    /// The allowance widens everything before nearer contacts hide farther ones, so that with a larger one the outcome only
-    /// grows (`docs/theory.md`, T12, T21).
+    /// The allowance widens everything before nearer contacts hide farther ones: what is said with one holds for all smaller
+    /// shifts of the line (`docs/theory.md`, T21).
     pub(super) fn outcome(
         &self,
         ask: &Question<'_, DVec3>,
