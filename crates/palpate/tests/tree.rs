@@ -84,7 +84,7 @@ fn random_problem(random: &mut Rng) -> (Table, ContactPairs) {
 
 fn found(table: &Table, contacts: &ContactPairs, max_nodes: u64) -> (Vec<Vec<usize>>, Counters, bool) {
     let (mut all, mut counters) = (Vec::new(), Counters::default());
-    let end = search(table, contacts, max_nodes, &mut counters, &mut |assignment| {
+    let end = search(table, contacts, max_nodes, &Halt::default(), &mut counters, &mut |assignment| {
         all.push(assignment.to_vec());
         ControlFlow::Continue(())
     });

@@ -16,7 +16,7 @@ use super::prior::Prior;
 use super::site::{Reading, Site, angle};
 use crate::contact::{Contact, Evidence};
 use crate::feature::Feature;
-use crate::recognize::{Halt, Settings};
+use crate::recognize::{Halt, Limit, Settings};
 use crate::sweep::Sweep;
 
 /// A pose as the rotation into the model's frame and the model point at the pivot.
@@ -111,6 +111,16 @@ impl Case {
         self.stop.load(Relaxed)
     }
 
+    /// The same, as the limit that says so.
+    pub fn late(&self) -> Option<Limit> {
+        self.stopped().then_some(Limit::Time)
+    }
+
+    /// What tells searches to be given up.
+    pub fn halt(&self) -> &Halt {
+        &self.stop
+    }
+
     /// A length that covers all rounding in this case.
     pub fn outward(&self) -> f64 {
         OUTWARD * self.scale
@@ -134,6 +144,25 @@ impl Case {
     /// The sites of `feature` for the tip of contact `i`.
     pub fn sites(&self, contact: usize, feature: Feature) -> Vec<Site> {
         Site::all(&self.model, feature, self.data[contact].radius)
+    }
+
+    /// The sites of each contact's features. Contacts of one radius that have the same features share them.
+    pub fn sites_of<'b>(
+        &self,
+        pairs: impl Iterator<Item = (usize, &'b [Feature])>,
+    ) -> Vec<(usize, Shared<[Site]>)> {
+        let mut known: Vec<(&[Feature], f64, Shared<[Site]>)> = Vec::new();
+        let of_contact = |(contact, features): (usize, &'b [Feature])| {
+            let radius = self.data[contact].radius;
+            let alike = known.iter().find(|(others, of, _)| *of == radius && *others == features);
+            let sites = alike.map(|(_, _, sites)| Shared::clone(sites)).unwrap_or_else(|| {
+                let sites = features.iter().flat_map(|feature| self.sites(contact, *feature));
+                sites.collect()
+            });
+            known.push((features, radius, Shared::clone(&sites)));
+            (contact, sites)
+        };
+        pairs.map(of_contact).collect()
     }
 
     /// By how much contact `i` misses the nearest of the sites at `pose`: a length beyond its bound. Infinite where the

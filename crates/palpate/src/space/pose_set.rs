@@ -17,6 +17,7 @@ use super::thesis::ThesisPose;
 use crate::dimension::Poses;
 use crate::feature::Feature;
 use crate::hypothesis::{Count, choices};
+use crate::recognize::Limit;
 
 /// Assignments are counted by deciding so many choices of features at most.
 const MOST_ATTEMPTS: usize = 200;
@@ -50,7 +51,7 @@ pub(crate) struct Piece {
     /// For each contact, in increasing order. One each: an interpretation.
     pub features: Vec<Vec<Feature>>,
     /// The sites of each contact's features.
-    pub sites: Vec<(usize, Vec<Site>)>,
+    pub sites: Vec<(usize, Shared<[Site]>)>,
     pub witness: Option<Witness>,
     /// If there are any, the piece is what lies in them.
     pub bounds: Vec<Cell>,
@@ -63,10 +64,8 @@ impl Piece {
         witness: Option<Witness>,
         bounds: Vec<Cell>,
     ) -> Self {
-        let sites = features.iter().enumerate().map(|(contact, features)| {
-            (contact, features.iter().flat_map(|feature| case.sites(contact, *feature)).collect())
-        });
-        Self { sites: sites.collect(), features, witness, bounds }
+        let sites = case.sites_of(features.iter().map(Vec::as_slice).enumerate());
+        Self { sites, features, witness, bounds }
     }
 
     /// Whether each contact lies on one feature.
@@ -76,7 +75,7 @@ impl Piece {
 
     /// Whether a pose of it is known.
     pub(super) fn is_decided(&self) -> bool {
-        self.witness.is_some_and(|witness| !witness.undecided)
+        self.witness.is_some_and(|witness| witness.is_decided())
     }
 
     /// The piece where a symmetry of the model moves it: the same placed parts.
@@ -171,9 +170,15 @@ impl PoseSet {
     pub fn witness(&self) -> Pose {
         let surest = self
             .witnesses()
-            .min_by_key(|one| (one.undecided, one.marginal))
+            .min_by_key(|one| (!one.is_decided(), one.marginal))
             .expect("a pose set has a witness");
         self.case.pose(surest.pose)
+    }
+
+    /// The limit that the search met before a pose was known, if none is.
+    pub(crate) fn undecided(&self) -> Option<Limit> {
+        let limit = self.witnesses().filter_map(|witness| witness.undecided).min();
+        limit.filter(|_| !self.proved())
     }
 
     /// Whether every witness needs the tolerance τ.
@@ -353,7 +358,7 @@ impl PoseSet {
         let piece = known.unwrap_or_else(|| {
             let features = assignment.iter().map(|feature| vec![*feature]).collect();
             let mut piece = Piece::new(&self.case, features, None, Vec::new());
-            let guess = || self.witnesses().next().map(|witness| Witness::guess(witness.pose));
+            let guess = || self.witnesses().next().map(|witness| Witness::guess(witness.pose, Limit::Effort));
             piece.witness = self.decide(&piece).or_else(guess);
             piece
         });
@@ -369,7 +374,7 @@ impl PoseSet {
         };
         let within = |one: &Piece| {
             let found = solve::witness_within(&conditions, &one.bounds, &mut { MOST_FOR_ATTEMPT });
-            found.filter(|witness| !witness.undecided)
+            found.filter(Witness::is_decided)
         };
         let in_a_piece = || self.pieces.iter().filter(holds).find_map(within);
         let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
@@ -417,7 +422,7 @@ impl PoseSet {
                 };
                 match found {
                     None => return Attempt::Invalid,
-                    Some(witness) if witness.undecided => return Attempt::Undecided,
+                    Some(witness) if !witness.is_decided() => return Attempt::Undecided,
                     Some(_) => {}
                 }
             }
@@ -433,7 +438,7 @@ impl Poses<DVec3> for PoseSet {
     }
 
     fn proved(&self) -> bool {
-        self.witnesses().any(|witness| !witness.undecided)
+        self.witnesses().any(|witness| witness.is_decided())
     }
 
     fn largest_slack(&self) -> Pose {

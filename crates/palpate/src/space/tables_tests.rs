@@ -326,7 +326,7 @@ fn a_true_assignment_is_never_pruned() {
             let candidates = chosen.iter().map(|number| vec![*number]).collect();
             let contacts = tables.contact_pairs(&sensed, candidates);
             let mut counters = Counters::default();
-            let found = search(&tables, &contacts, u64::MAX, &mut counters, &mut |_| ControlFlow::Break(()));
+            let found = search(&tables, &contacts, u64::MAX, &Halt::default(), &mut counters, &mut |_| ControlFlow::Break(()));
             assert!(found.is_break(), "stored: {counters:?} {chosen:?}");
             let found =
                 search(
@@ -376,7 +376,7 @@ fn the_search_finds_the_truth_among_all_and_prunes_the_most() {
         let all: Vec<usize> = (0..features.len()).collect();
         let contacts = tables.contact_pairs(&sensed, vec![all; 3]);
         let (mut counters, mut found) = (Counters::default(), false);
-        let done = search(&tables, &contacts, u64::MAX, &mut counters, &mut |assignment| {
+        let done = search(&tables, &contacts, u64::MAX, &Halt::default(), &mut counters, &mut |assignment| {
             found |= assignment == chosen;
             ControlFlow::Continue(())
         });
