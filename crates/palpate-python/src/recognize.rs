@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
-use palpate::{Count, Error, Evidence, ModelReport, Recognition, Settings};
+use palpate::{Count, Error, Evidence, Limit, ModelReport, Recognition, Settings};
 use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -258,6 +258,12 @@ impl PyRecognition {
     #[getter]
     fn complete(&self) -> bool {
         either!(&self.found, found => found.complete)
+    }
+
+    #[doc = doc!("Recognition.stopped_by")]
+    #[getter]
+    fn stopped_by(&self) -> Option<&'static str> {
+        either!(&self.found, found => found.stopped_by.map(Limit::name))
     }
 
     #[doc = doc!("Recognition.counters")]

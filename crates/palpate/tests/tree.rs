@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
 use fastrand::Rng;
+use palpate::recognize::Halt;
 use palpate::tree::{ContactPairs, Counters, FeaturePairs, PairRange, Range, search};
 
 /// `pairs[a][b]`, with an index or without.

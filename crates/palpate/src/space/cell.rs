@@ -12,7 +12,7 @@ use super::case::{Case, PivotPose};
 use super::linear::{Cut, WIDTH, left_jacobian};
 use super::lp::{Program, Row};
 use super::pose::{Pose, rotation, vector};
-use super::site::{Site, angle};
+use super::site::{Site, angle, around_all};
 use crate::feature::Feature;
 use crate::sweep::Sweep;
 
@@ -200,11 +200,7 @@ impl Cell {
                 left.shrink_to_fit();
             }
             // The box that what is left leaves of the model points at the pivot.
-            let (low, high) =
-                left.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), number| {
-                    let site = &sites[*number as usize];
-                    (low.min(site.low), high.max(site.high))
-                });
+            let (low, high) = around_all(left.iter().map(|number| &sites[*number as usize]));
             let low = (low - lever - moved).max(self.y - self.y_half);
             let high = (high - lever + moved).min(self.y + self.y_half);
             if left.is_empty() || low.cmpgt(high).any() {

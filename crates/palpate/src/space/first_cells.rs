@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 use super::case::Case;
 use super::cell::{Cell, Conditions};
 use super::pose;
-use super::site::{Site, angle};
+use super::site::{self, Site, angle};
 use super::solve::all_sites;
 use super::sphere::Cap;
 
@@ -249,12 +249,8 @@ struct Places<'a, 'b> {
 
 impl<'a, 'b> Places<'a, 'b> {
     fn new(conditions: &'a Conditions<'b>) -> Self {
-        let around = |(_, sites): &(usize, Shared<[Site]>)| {
-            sites.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), site| {
-                (low.min(site.low), high.max(site.high))
-            })
-        };
-        Self { conditions, boxes: conditions.sites.iter().map(around).collect() }
+        let boxes = conditions.sites.iter().map(|(_, sites)| site::around_all(sites.iter()));
+        Self { conditions, boxes: boxes.collect() }
     }
 
     /// The cell of such rotations, with all model points that may be at the pivot.

@@ -211,6 +211,18 @@ impl Site {
         }
     }
 
+    /// None of its places is farther from a point.
+    pub fn farthest_from(&self, point: DVec3) -> f64 {
+        let farthest = |corners: &[DVec3]| corners.iter().map(|at| at.distance(point)).fold(0.0, f64::max);
+        match &self.shape {
+            Shape::Piece { corners, .. } => farthest(corners),
+            Shape::Edge { start, along, length, .. } => {
+                farthest(&[*start, *start + *length * *along]) + self.radius
+            }
+            Shape::Vertex { point: corner, .. } => farthest(&[*corner]) + self.radius,
+        }
+    }
+
     /// Whether it has more than one normal.
     pub fn is_round(&self) -> bool {
         !matches!(self.shape, Shape::Piece { .. })
@@ -358,6 +370,13 @@ pub(super) fn around(first: DVec3, second: DVec3) -> [DVec3; 8] {
     std::array::from_fn(|k| {
         let (sine, cosine) = (k as f64 * FRAC_PI_4).sin_cos();
         cosine * first + sine * second
+    })
+}
+
+/// The lowest and the highest corner of a box around all of them.
+pub(super) fn around_all<'a>(sites: impl Iterator<Item = &'a Site>) -> (DVec3, DVec3) {
+    sites.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), site| {
+        (low.min(site.low), high.max(site.high))
     })
 }
 

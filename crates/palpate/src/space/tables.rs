@@ -105,6 +105,11 @@ impl Model {
 }
 
 impl FeatureTables {
+    #[cfg(test)]
+    pub fn new(model: &Model, kinds: Kinds) -> Self {
+        Self::until(model, kinds, &Halt::default()).0
+    }
+
     /// And whether they are whole: they are without pairs if `stop` is set meanwhile.
     fn until(model: &Model, kinds: Kinds, stop: &Halt) -> (Self, bool) {
         let mut tables = Self::unfilled(model, kinds);

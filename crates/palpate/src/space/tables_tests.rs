@@ -10,6 +10,7 @@ use super::quantized::Quantizer;
 use super::sensed::Sensed;
 use super::tables::{FeatureTables, Kinds};
 use super::test_solids::{Random, ball, frame, hulls, l_prism, normals, random_solid, regular_prism, touch};
+use crate::recognize::Halt;
 use crate::tree::{Counters, FeaturePairs, PairRange, Range, search};
 
 const ALL: Kinds = Kinds { faces: true, edges: true, vertices: true };
@@ -333,6 +334,7 @@ fn a_true_assignment_is_never_pruned() {
                     &Bounded(&tables),
                     &contacts,
                     u64::MAX,
+                    &Halt::default(),
                     &mut counters,
                     &mut |_| ControlFlow::Break(()),
                 );
