@@ -216,7 +216,12 @@ fn check<V: Dimension>(
         return Err(Error::new("contacts", "must not be empty", "[]", "give at least one contact"));
     }
     if !settings.faces && settings.edges != Some(true) && settings.vertices == Some(false) {
-        return Err(Error::new("features", "must not be empty", "()", "give \"face\", \"vertex\" or both"));
+        return Err(Error::new(
+            "features",
+            "must not be empty",
+            "()",
+            "give \"face\", in space \"edge\", or \"vertex\"",
+        ));
     }
     if !(1e-9..=1e-2).contains(&settings.tolerance) {
         let remedy = "give a share of the part's size from 1e-9 to 0.01, such as 1e-6";

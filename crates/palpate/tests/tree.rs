@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
+use std::sync::atomic::Ordering::Relaxed;
 
 use fastrand::Rng;
 use palpate::recognize::Halt;
@@ -120,4 +121,26 @@ fn a_search_that_is_cut_short_says_so_and_finds_the_first() {
         assert_eq!(whole, limit >= counters.nodes);
         assert_eq!(some, all[..some.len()]);
     }
+}
+
+/// Once it is told to stop, it tries no more.
+#[test]
+fn a_search_that_is_stopped_says_so() {
+    let mut random = Rng::with_seed(3);
+    let mut num_stopped = 0;
+    for _ in 0..500 {
+        let (table, contacts) = random_problem(&mut random);
+        let (all, counters, _) = found(&table, &contacts, u64::MAX);
+        let (stop, mut num_found, mut stopped) = (Halt::default(), 0, Counters::default());
+        let end = search(&table, &contacts, u64::MAX, &stop, &mut stopped, &mut |assignment| {
+            assert_eq!(assignment, all[num_found]);
+            num_found += 1;
+            stop.store(true, Relaxed);
+            ControlFlow::Continue(())
+        });
+        assert_eq!(num_found, all.len().min(1));
+        assert!(stopped.nodes <= counters.nodes);
+        num_stopped += usize::from(end.is_break());
+    }
+    assert!(num_stopped > 100, "{num_stopped}");
 }

@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 use super::model::Model;
 use super::pose::{self, Pose};
 use super::prior::Prior;
-use super::site::{Reading, Site, angle};
+use super::site::{Reading, Site, Sites, angle};
 use crate::contact::{Contact, Evidence};
 use crate::feature::Feature;
 use crate::recognize::{Halt, Limit, Settings};
@@ -147,19 +147,18 @@ impl Case {
     }
 
     /// The sites of each contact's features. Contacts of one radius that have the same features share them.
-    pub fn sites_of<'b>(
-        &self,
-        pairs: impl Iterator<Item = (usize, &'b [Feature])>,
-    ) -> Vec<(usize, Shared<[Site]>)> {
-        let mut known: Vec<(&[Feature], f64, Shared<[Site]>)> = Vec::new();
+    pub fn sites_of<'b>(&self, pairs: impl Iterator<Item = (usize, &'b [Feature])>) -> Vec<(usize, Sites)> {
+        let mut known: Vec<(usize, &[Feature], Sites)> = Vec::new();
         let of_contact = |(contact, features): (usize, &'b [Feature])| {
-            let radius = self.data[contact].radius;
-            let alike = known.iter().find(|(others, of, _)| *of == radius && *others == features);
-            let sites = alike.map(|(_, _, sites)| Shared::clone(sites)).unwrap_or_else(|| {
-                let sites = features.iter().flat_map(|feature| self.sites(contact, *feature));
-                sites.collect()
-            });
-            known.push((features, radius, Shared::clone(&sites)));
+            let radius = |contact: usize| self.data[contact].radius;
+            let alike = |(other, others, _): &&(usize, &[Feature], _)| {
+                radius(*other) == radius(contact) && *others == features
+            };
+            let sites = match known.iter().find(alike) {
+                Some((_, _, sites)) => Shared::clone(sites),
+                None => features.iter().flat_map(|feature| self.sites(contact, *feature)).collect(),
+            };
+            known.push((contact, features, Shared::clone(&sites)));
             (contact, sites)
         };
         pairs.map(of_contact).collect()

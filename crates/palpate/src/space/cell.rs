@@ -4,7 +4,6 @@
 //! of one is further from another than their vectors.
 
 use std::f64::consts::TAU;
-use std::sync::Arc as Shared;
 
 use glam::{DMat3, DVec3};
 
@@ -12,7 +11,7 @@ use super::case::{Case, PivotPose};
 use super::linear::{Cut, WIDTH, left_jacobian};
 use super::lp::{Program, Row};
 use super::pose::{Pose, rotation, vector};
-use super::site::{Site, angle, around_all};
+use super::site::{Site, Sites, angle, around_all};
 use crate::feature::Feature;
 use crate::sweep::Sweep;
 
@@ -52,7 +51,7 @@ pub(crate) struct Cell {
 pub(crate) struct Conditions<'a> {
     pub case: &'a Case,
     /// A contact and the sites it may lie on.
-    pub sites: Vec<(usize, Shared<[Site]>)>,
+    pub sites: Vec<(usize, Sites)>,
     /// Added to every bound, a length: nothing where a certificate is sought, τ where everything valid up to τ is enclosed.
     pub slack: f64,
     /// The same for angles.
@@ -101,7 +100,7 @@ impl<'a> Conditions<'a> {
     /// The largest share of its bounds that a reading uses at the pose.
     pub fn used(&self, pose: PivotPose) -> f64 {
         let case = self.case;
-        let share = |(contact, sites): &(usize, Shared<[Site]>)| {
+        let share = |(contact, sites): &(usize, Sites)| {
             let datum = &case.data[*contact];
             let length = case.excess(*contact, sites, pose, case.angle_tolerance) + datum.bound;
             let turn = datum.reading.sensed.map_or(0.0, |(axis, error)| {

@@ -6,14 +6,13 @@
 //! contact may lie on has many normals, as edges and vertices have, caps cover them, and each pair of caps leaves a ball.
 
 use std::f64::consts::PI;
-use std::sync::Arc as Shared;
 
 use glam::{DMat3, DVec3};
 
 use super::case::Case;
 use super::cell::{Cell, Conditions};
 use super::pose;
-use super::site::{self, Site, angle};
+use super::site::{self, Site, Sites, angle};
 use super::solve::all_sites;
 use super::sphere::Cap;
 
@@ -100,7 +99,7 @@ fn of_prior(conditions: &Conditions<'_>) -> Option<(DMat3, f64)> {
 
 fn of_contact<'a>(
     conditions: &'a Conditions<'_>,
-    (contact, sites): &'a (usize, Shared<[Site]>),
+    (contact, sites): &'a (usize, Sites),
 ) -> Option<Sensed<'a>> {
     let (reading, error) = conditions.case.data[*contact].reading.sensed?;
     let mean = sites.iter().map(|site| site.mean_normal).sum::<DVec3>().try_normalize();
@@ -267,8 +266,8 @@ impl<'a, 'b> Places<'a, 'b> {
                 + case.outward();
             (*low - lever - near, *high - lever + near)
         });
-        let (low, high) =
-            around.fold((DVec3::NEG_INFINITY, DVec3::INFINITY), |(low, high), (l, h)| (low.max(l), high.min(h)));
+        let (low, high) = around
+            .fold((DVec3::NEG_INFINITY, DVec3::INFINITY), |(low, high), (l, h)| (low.max(l), high.min(h)));
         // No overlap: a cell of no size, which its own conditions refute.
         let high = high.max(low);
         Cell {

@@ -216,8 +216,7 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
 /// apart; if there was no time to see which of the others touch, they are one group.
 fn joined(case: &Case, pieces: &[Piece]) -> Groups {
     let joins = |piece: &Piece| piece.is_decided() || !case.stopped();
-    let around: Vec<Around> =
-        pieces.par_iter().map(|piece| Around::new(case, piece, joins(piece))).collect();
+    let around: Vec<Around> = pieces.par_iter().map(|piece| Around::new(case, piece, joins(piece))).collect();
     let mut groups = Groups::new(pieces.len());
     // Where a pose of one explains the other: that costs little.
     for exact in [false, true] {
@@ -300,11 +299,8 @@ impl Around {
     }
 
     fn moved(&self, case: &Case, motion: Pose) -> Self {
-        let place = |cell: &Place| Place {
-            turn: motion.rotation * cell.turn,
-            y: motion.apply(cell.y),
-            ..*cell
-        };
+        let place =
+            |cell: &Place| Place { turn: motion.rotation * cell.turn, y: motion.apply(cell.y), ..*cell };
         Self::of(case, self.cells.iter().map(place).collect(), motion)
     }
 

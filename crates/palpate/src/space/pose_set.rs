@@ -12,7 +12,7 @@ use super::extent::{Along, Extent};
 use super::first_cells;
 use super::model::{Model, Symmetry};
 use super::pose::{self, Pose};
-use super::site::{self, Site};
+use super::site::{self, Sites};
 use super::solve::{self, Witness};
 use super::thesis::ThesisPose;
 use crate::dimension::Poses;
@@ -52,7 +52,7 @@ pub(crate) struct Piece {
     /// For each contact, in increasing order. One each: an interpretation.
     pub features: Vec<Vec<Feature>>,
     /// The sites of each contact's features.
-    pub sites: Vec<(usize, Shared<[Site]>)>,
+    pub sites: Vec<(usize, Sites)>,
     pub witness: Option<Witness>,
     /// If there are any, the piece is what lies in them.
     pub bounds: Vec<Cell>,
@@ -66,7 +66,7 @@ impl Piece {
         bounds: Vec<Cell>,
     ) -> Self {
         let sites = case.sites_of(features.iter().map(Vec::as_slice).enumerate());
-        Self { sites, features, witness, bounds }
+        Self { features, sites, witness, bounds }
     }
 
     /// Whether each contact lies on one feature.

@@ -4,6 +4,7 @@
 //! the cylinder around an edge; a part of the ball around a vertex (MATH 2.1, 2.3.4).
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
+use std::sync::Arc as Shared;
 
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3, dvec2};
@@ -40,6 +41,9 @@ enum Shape {
     /// A vertex with its cone of normals, as the halves of the sphere that make it up.
     Vertex { point: DVec3, cone: Vec<Cap>, corners: Vec<DVec3> },
 }
+
+/// The sites of some features, shared by the contacts that have the same.
+pub(crate) type Sites = Shared<[Site]>;
 
 /// A normal counts as allowed if it misses by no more, radians.
 const ROUNDING: f64 = 1e-11;

@@ -5,7 +5,6 @@
 
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
-use std::sync::Arc as Shared;
 
 use glam::{DMat3, DVec3};
 
@@ -15,7 +14,7 @@ use super::first_cells::{first_cells, whole};
 use super::linear::WIDTH;
 use super::lp::Row;
 use super::pose_set::Piece;
-use super::site::Site;
+use super::site::Sites;
 use crate::nearest::Nearest;
 use crate::recognize::Limit;
 use crate::witness;
@@ -191,7 +190,7 @@ fn hollow(conditions: &Conditions<'_>, cell: &Cell) -> f64 {
     if !cell.is_narrow() || !case.sweeps.is_empty() || case.prior.is_some() {
         return f64::INFINITY;
     }
-    let of_condition = |((contact, sites), left): (&(usize, Shared<[Site]>), &Vec<u32>)| {
+    let of_condition = |((contact, sites), left): (&(usize, Sites), &Vec<u32>)| {
         let known = case.data[*contact].reading.sensed.map_or(PI, |(_, error)| error + cell.radius());
         match left.as_slice() {
             [only] => sites[*only as usize].hollow(known),

@@ -36,6 +36,7 @@ impl Cap {
     }
 
     /// Caps no wider than `fine`, below a quarter turn, that cover the sphere: one around each square of a grid on a cube.
+    #[expect(clippy::cast_sign_loss, reason = "a count is not below one")]
     pub fn cover(fine: f64) -> Vec<Self> {
         // A point of a square is no farther from its middle than half its diagonal, and the sphere is no nearer than 1.
         let count = (0.5 * 2.0 * std::f64::consts::SQRT_2 / fine).ceil().max(1.0) as u32;

@@ -5,7 +5,6 @@
 //! contact is left with features that hang together, or the cell is small against the sensor's bounds.
 
 use std::collections::VecDeque;
-use std::sync::Arc as Shared;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use glam::DMat3;
@@ -17,7 +16,7 @@ use super::first_cells::{first_cells, whole};
 use super::hypotheses::{canonical, sensed};
 use super::pose;
 use super::pose_set::Piece;
-use super::site::Site;
+use super::site::Sites;
 use super::solve::{self, Witness};
 use super::tables::FeatureTables;
 use crate::feature::Feature;
@@ -98,10 +97,7 @@ pub(crate) fn subdivide(case: &Case, tables: &FeatureTables, candidates: &[Vec<u
     }
     let touching = Touching::new(case);
     let choices = best_pair(case).and_then(|pair| choices(case, tables, candidates, pair));
-    match choices {
-        Some(choices) => divide_all(case, &touching, &choices, features),
-        None => divide_all(case, &touching, &[features.clone()], features),
-    }
+    divide_all(case, &touching, choices.as_deref().unwrap_or(std::slice::from_ref(&features)), &features)
 }
 
 /// What each choice of features of two contacts leaves for the others. `None`: there are too many choices, or no time.
@@ -159,7 +155,7 @@ fn choices(
 
 /// Divides each of the choices, within few cells first; those that need more share what is left, in rounds. They are choices
 /// among `all`.
-fn divide_all(case: &Case, touching: &Touching, choices: &[Choice], all: Choice) -> Subdivision {
+fn divide_all(case: &Case, touching: &Touching, choices: &[Choice], all: &Choice) -> Subdivision {
     let most = case.effort.unwrap_or(MOST_CELLS);
     let share = most / choices.len().max(1) as u64;
     let all_begun = AtomicBool::new(true);
@@ -195,8 +191,8 @@ fn divide_all(case: &Case, touching: &Touching, choices: &[Choice], all: Choice)
 }
 
 /// All that features leave, undecided: there was no time to look at it.
-fn untouched(case: &Case, features: Choice) -> Piece {
-    let mut piece = Piece::new(case, features, None, Vec::new());
+fn untouched(case: &Case, features: &Choice) -> Piece {
+    let mut piece = Piece::new(case, features.clone(), None, Vec::new());
     let cell = whole(&piece.conditions(case));
     piece.witness = Some(Witness::guess(cell.middle(), Limit::Time));
     piece.bounds.push(cell);
@@ -377,7 +373,7 @@ fn together(cells: Vec<Cell>) -> Vec<Vec<Cell>> {
 
 /// The features whose sites are left in some cell, in increasing order.
 fn of_cells(conditions: &Conditions<'_>, cells: &[Cell]) -> Vec<Vec<Feature>> {
-    let of_condition = |(condition, (_, sites)): (usize, &(usize, Shared<[Site]>))| {
+    let of_condition = |(condition, (_, sites)): (usize, &(usize, Sites))| {
         let left = cells.iter().flat_map(|cell| &cell.left[condition]);
         let mut features: Vec<Feature> = left.map(|number| sites[*number as usize].feature).collect();
         features.sort_unstable();
