@@ -122,7 +122,7 @@ CASES = [
     (recognize, {"misses": [contact()]}, "misses[0]: must be a Miss (got Contact((1.0, 2.0), position_error=0.5)); give a list of palpate.Miss"),
     (recognize, {"misses": palpate.Miss}, "misses: must be a sequence of Miss (got <class 'palpate._core.Miss'>); give a list of palpate.Miss"),
     (recognize, {"prior": 20}, "prior: must be a Prior (got 20); give palpate.Prior, or leave it out"),
-    (recognize, {"features": ()}, "features: must not be empty (got ()); give \"face\", \"vertex\" or both"),
+    (recognize, {"features": ()}, "features: must not be empty (got ()); give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"),
     (recognize, {"features": "face"}, "features: must be a sequence of names (got 'face'); give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"),
     (recognize, {"features": ("edge",)}, "features: no edges in the plane (got 'edge'); give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"),
     (recognize, {"features": ("faces",)}, "features: unknown kind (got 'faces'); give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"),
@@ -198,7 +198,11 @@ def test_long_values_are_cut():
         (lambda: palpate.Prior(EYE, translation=1), "rotation"),
         (lambda: palpate.Contact.from_tip((0, 0), position_error=1), "tip_radius"),
         (lambda: palpate.Model(SQUARE), "Model.polygon"),
-        (lambda: contact(radius=1), "radius"),
+        (lambda: contact(radius=1), "unexpected keyword argument 'radius'$"),
+        (
+            lambda: contact(tip_radius=1),
+            r"'tip_radius'; give the tip to Contact\.from_tip\(center, tip_radius",
+        ),
     ],
 )
 def test_missing_and_unknown_arguments_are_named(call, name):

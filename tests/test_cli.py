@@ -399,7 +399,7 @@ def test_a_picture_that_fails_leaves_the_answer(folder, capsys, *, monkeypatch, 
     status = main([command, *arguments[command], "--plot", "x.svg", *extra])
     out, err = capsys.readouterr()
     assert (status, err) == (2, "palpate: x.svg: No space left on device\n")
-    assert json.loads(out) if extra else len(out.splitlines()) > 5
+    assert json.loads(out) if extra else len(out.splitlines()) > 1
 
 
 def test_symmetries_are_in_order_and_many_are_summed_up(folder, capsys):
@@ -420,7 +420,7 @@ def test_many_untouchable_vertices_are_summed_up(folder, capsys):
 
 def test_tiny_parts_keep_their_digits(folder, capsys):
     write_model("tiny.json", [[1e-6 * x for x in point] for point in BRACKET])
-    out = run(capsys, "models", "tiny.json")
+    out = run(capsys, "models", "tiny.json", "--faces")
     assert "0.0000800, 0.0000150" in out
     Path("tiny.csv").write_text("x,y,nx,ny\n0.00003,0,0,-1\n0,0.00002,-1,0\n")
     flags = ("--position-error", "5e-8", "--normal-error-deg", "1")

@@ -324,7 +324,6 @@ def test_a_spreadsheet_s_byte_order_mark_is_no_part_of_the_header(tmp_path):
 
 
 BAD_CSV = [
-    ("", "touches.csv: no header in it"),
     ("x,y\n", "touches.csv: no contact and no miss in it"),
     ("x,nx,ny\n1,2,3\n", "touches.csv, line 1, column y: absent from the header"),
     ("x,y,nx\n1,2,3\n", "touches.csv, line 1, column ny: absent from the header"),
@@ -378,7 +377,16 @@ BAD_CSV = [
     ),
     ("x;y\n1,5;2\n", "touches.csv, line 1: its columns are separated by semicolons; use commas"),
     ("x\ty\n1\t2\n", "touches.csv, line 1: its columns are separated by tabs; use commas"),
-    ("73.3,3.4,-0.06,-1.0\n", "touches.csv, line 1: numbers where the header should be; begin with a line"),
+    (
+        "73.3,3.4,-0.06,-1.0\n",
+        "touches.csv, line 1: numbers where the header should be; begin with a line such as x,y,nx,ny",
+    ),
+    (
+        "1,2,3,0,0,1\n",
+        "touches.csv, line 1: numbers where the header should be; begin with a line such as x,y,z,nx",
+    ),
+    ("1,2,3\n", "touches.csv, line 1: numbers where the header should be; begin with a line such as x,y,z"),
+    ("", "touches.csv: no header in it; begin with a line such as x,y,nx,ny, in space x,y,z,nx,ny,nz"),
     (",,\n1,2,3\n", "touches.csv, line 1: the header is blank"),
     ("x,y,position_error,,\n1,2,0.5,,\n3,4,0.5,,7\n", "touches.csv, line 3: 5 cells where the header has 3"),
     ("x,,y\n1,,2\n", "touches.csv, line 1, column '': unknown"),
@@ -527,6 +535,17 @@ def test_other_suffixes_are_refused(tmp_path, write):
             write_contacts(path, [Contact((0, 0), position_error=1.0)])
         else:
             read_contacts(path)
+
+
+def test_files_that_are_not_there_are_refused_with_a_remedy(tmp_path):
+    with pytest.raises(ValueError, match=r"gone\.csv: no such file; give a \.csv or \.json file"):
+        read_contacts(tmp_path / "gone.csv")
+    there = [Contact((0, 0), position_error=1.0)]
+    with pytest.raises(ValueError, match=r"touches\.csv: its folder is not there; make the folder first"):
+        write_contacts(tmp_path / "gone" / "touches.csv", there)
+    (tmp_path / "folder.csv").mkdir()
+    with pytest.raises(ValueError, match=r"folder\.csv: can't be written: .*; name a file in a folder"):
+        write_contacts(tmp_path / "folder.csv", there)
 
 
 def test_text_that_is_not_utf8_is_refused(tmp_path):

@@ -570,6 +570,8 @@ def test_what_is_not_there_is_refused(tmp_path):
         load_models([tmp_path])
     with pytest.raises(ValueError, match="paths: no model is named"):
         load_models([])
+    with pytest.raises(ValueError, match=r"x\.json: its folder is not there; make the folder first"):
+        save_model(load_models("boot")[0], tmp_path / "gone" / "x.json")
 
 
 @pytest.mark.parametrize(

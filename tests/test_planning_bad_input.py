@@ -113,7 +113,7 @@ CASES = [
     (plan, {"effort": 1e6}, "effort: must be a whole number, 1 or more (got 1000000.0); give an int in range"),
     (plan, {"seed": -1}, "seed: must be a whole number, 0 or more (got -1); give an int in range"),
     (plan, {"seed": "x"}, "seed: must be a whole number, 0 or more (got 'x'); give an int in range"),
-    (plan, {"features": ()}, 'features: must not be empty (got ()); give "face", "vertex" or both'),
+    (plan, {"features": ()}, 'features: must not be empty (got ()); give ("face",), ("vertex",) or ("face", "vertex")'),
     (plan, {"features": "face"}, "features: must be a sequence of names (got 'face'); give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"),
     (plan, {"features": ("edge",)}, "features: no edges in the plane (got 'edge'); give (\"face\",), (\"vertex\",) or (\"face\", \"vertex\")"),
     (plan, {"avoid_assigned": 1}, "avoid_assigned: must be True or False (got 1); give a bool"),

@@ -1,11 +1,20 @@
-"""The Python in README and docs runs as printed."""
+"""The Python and the command lines in README and docs run as printed; their JSON is read."""
 
 from __future__ import annotations
 
+import json
 import re
+import shlex
 from pathlib import Path
 
+import ezdxf
+import numpy as np
 import pytest
+import typer.main
+
+import palpate
+from palpate.cli import main
+from palpate.cli.app import app
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -26,6 +35,77 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pyte
 
 def test_the_readme_has_python() -> None:
     assert _blocks(ROOT / "README.md")
+
+
+# What takes minutes, or needs what only its reader has, is not run: its arguments are checked.
+TOO_LONG = ("experiment all",)
+
+
+def _commands(page: Path) -> list[str]:
+    """Indented lines that begin with the program, those that go on joined."""
+    text = page.read_text(encoding="utf-8").replace("\\\n", " ")
+    return re.findall(r"^    (?:\.venv/bin/)?palpate (.+)$", text, flags=re.MULTILINE)
+
+
+def _write_tables(page: Path) -> None:
+    """Indented tables, as the files that are named last before them."""
+    text = page.read_text(encoding="utf-8")
+    for table in re.finditer(r"^    x,y.*\n(?:    .*\n)+", text, flags=re.MULTILINE):
+        name = re.findall(r"`(\w+\.csv)`", text[: table.start()])[-1]
+        Path(name).write_text(re.sub(r"^    ", "", table[0], flags=re.MULTILINE))
+
+
+def _write_parts() -> None:
+    """Parts of the reader's own."""
+    drawing = ezdxf.new(setup=True)
+    drawing.units = ezdxf.units.MM
+    drawing.modelspace().add_lwpolyline([(0, 0), (80, 0), (80, 20), (20, 20), (20, 60), (0, 60)], close=True)
+    drawing.saveas("my-part.dxf")
+    (bracket,) = palpate.load_models("l-bracket")
+    rows = ["solid bracket"]
+    for corners in bracket.vertices[np.asarray(bracket.triangles)].tolist():
+        rows += ["facet normal 0 0 0", "outer loop", *(f"vertex {x} {y} {z}" for x, y, z in corners)]
+        rows += ["endloop", "endfacet"]
+    Path("bracket.stl").write_text("\n".join([*rows, "endsolid bracket", ""]))
+
+
+@pytest.mark.parametrize(
+    "page", [ROOT / "README.md", ROOT / "docs" / "solids.md"], ids=lambda page: page.name
+)
+def test_the_commands_of_a_page_run(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    _write_parts()
+    _write_tables(page)
+    # Files that its Python writes are there when its commands are read.
+    names: dict[str, object] = {}
+    for block in _blocks(page):
+        exec(compile(block, page.name, "exec"), names)
+    commands = _commands(page)
+    assert len(commands) > 2
+    for command in commands:
+        if command.startswith(TOO_LONG):
+            name, *arguments = shlex.split(command, comments=True)
+            typer.main.get_command(app).commands[name].make_context(name, arguments)
+            continue
+        capsys.readouterr()
+        assert main(shlex.split(command, comments=True)) == 0, (command, capsys.readouterr().err)
+        assert capsys.readouterr().out, command
+
+
+def test_the_json_of_pages_is_read(tmp_path: Path) -> None:
+    read = {"palpate-contacts": palpate.read_contacts, "palpate-model": palpate.load_models}
+    count = 0
+    for page in PAGES:
+        for block in re.findall(
+            r"^```json\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        ):
+            file = tmp_path / f"{count}.json"
+            file.write_text(block)
+            assert read[json.loads(block)["schema"]](file)
+            count += 1
+    assert count >= 4
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -212,8 +212,82 @@ def test_edges_may_be_touched(folder, capsys):
     assert answer(capsys, *arguments, "--features", "face")["hypotheses"] == []
 
 
+def balls(file):
+    """Ball contacts without normals, as many tips have them: far too little to tell a pose."""
+    centers = [np.add(contact.center, 2.0 * contact.normal) for contact in touches()]
+    palpate.write_contacts(
+        file, [palpate.Contact.from_tip(center, 2.0, position_error=0.5) for center in centers]
+    )
+
+
+@pytest.mark.parametrize(
+    ("flags", "limit", "remedy"),
+    [
+        (("--effort", "50"), "effort", "more effort (--effort), a prior, or another contact"),
+        (("--time-limit", "0.001"), "time", "more time (--time-limit), a prior, or another contact"),
+    ],
+)
+def test_the_limit_that_ended_the_search_is_said_with_its_remedy(folder, capsys, *, flags, limit, remedy):
+    balls("balls.csv")
+    arguments = ("bracket.stl", "--contacts", "balls.csv", *flags)
+    out = run(capsys, "recognize", *arguments)
+    assert ": not everything was decided; " in out and remedy in out
+    assert "--max-hypotheses" not in out and "at least 0" not in out
+    (row,) = [line.split() for line in out.splitlines() if line.split()[1:3] == ["bracket", "?"]]
+    assert row[3] == "unknown" and row[-2:] == ["unknown", "unknown"]
+    document = answer(capsys, *arguments)
+    assert (document["complete"], document["stopped_by"]) == (False, limit)
+    assert document["hypotheses"][-1]["proved"] is False
+
+
+def test_an_answer_that_is_complete_names_no_limit(folder, capsys):
+    assert answer(capsys, "bracket.stl", "--contacts", "touches.csv")["stopped_by"] is None
+    few = answer(capsys, "bracket.stl", "--contacts", "touches.csv", "--features", "face,edge,vertex")
+    assert few["complete"]
+
+
+def test_one_interpretation_is_counted_as_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("balls.csv").write_text(
+        "x,y,z,approach_x,approach_y,approach_z\n261.34,105.8,6,0.1,-1,0\n233.53,102.38,6.01,0.1,-1,0\n"
+        "295.25,67.65,6.02,-1,-0.1,0\n275.46,-9.32,91.99,0,0,-1\n276.46,-17.27,60,-0.1,1,0\n"
+        "265.93,43.91,14.01,0,0,-1\n"
+    )
+    bounds = ("--position-error", "0.05", "--tip-radius", "2")
+    prior = ("--prior-pose", "300,-10,0,0,0,90", "--prior-translation", "15", "--prior-rotation-deg", "15")
+    out = run(
+        capsys, "recognize", "l-bracket", "--contacts", "balls.csv", *bounds, *prior, "--on-table", "0.5,1"
+    )
+    assert ": it is l-bracket; 1 hypothesis, at least 1 interpretation in all.\n" in out
+
+
+def test_contacts_in_another_unit_are_told(folder, capsys):
+    """A file in metres, taken as millimetres."""
+    vertices, triangles = prism(ARMS, FANS, 25)
+    Path("metres.stl").write_text(stl_text(np.asarray(vertices) / 1000, triangles))
+    out = run(capsys, "recognize", "metres.stl", "--contacts", "touches.csv", "--max-hypotheses", "5")
+    apart = [
+        (math.dist(a.center, b.center), j + 1, k + 1)
+        for k, b in enumerate(touches())
+        for j, a in enumerate(touches()[:k])
+    ]
+    most, first, second = max(apart)
+    said = f"Contacts {first} and {second} are {most:.4g} mm apart, no model is larger than 0.07632 mm: "
+    assert said + "is the model's file in m? Then give --unit m, and say # unit: mm in the file of" in out
+    # What it says to do helps.
+    right = Path("touches.csv").read_text()
+    assert right.startswith("# unit: mm")
+    document = answer(capsys, "metres.stl", "--contacts", "touches.csv", "--unit", "m")
+    assert any(one["proved"] for one in document["hypotheses"])
+    Path("far.csv").write_text("x,y,z,position_error\n0,0,0,0.5\n100,0,0,0.5\n")
+    out = run(capsys, "recognize", "bracket.stl", "--contacts", "far.csv")
+    assert "Contacts 1 and 2 are 100 mm apart, no model is larger than 76.32 mm.\nUsual causes: " in out
+
+
 def test_models_of_space_are_told_and_drawn(folder, capsys):
-    out = run(capsys, "models", "bracket.stl", "hexagon", "--plot", "models.png")
+    brief = run(capsys, "models", "bracket.stl", "hexagon")
+    out = run(capsys, "models", "bracket.stl", "hexagon", "--faces", "--plot", "models.png")
+    assert set(brief.splitlines()) < set(out.splitlines()) and "touchable" not in brief
     assert "bracket: 8 faces, 18 edges, 12 vertices, closed, size 76.3217 mm" in out
     assert "symmetries: none" in out
     assert "symmetries: looks the same after 5 turns: 2 by 60°, 2 by 120° and 1 by 180°" in out

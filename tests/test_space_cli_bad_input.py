@@ -19,7 +19,7 @@ BAD = [
     (["demo", "--part", "l-bracket"], "part: l-bracket is a part in space, the demo works in the plane only as yet;"),
     (["identify", "boot", "--truth", "l-bracket"], "l-bracket: " + PLANE_ONLY.format("the closed loop")),
     (["identify", "boot", "--contacts", "touches.csv", "--pose", "0,0,0"], "contacts[0]: is of dimension 3"),
-    (["recognize", "bracket.stl", "boot", "--contacts", "touches.csv"], "models[1]: is of dimension 2"),
+    (["recognize", "bracket.stl", "boot", "--contacts", "touches.csv"], 'models[1]: "boot" is of dimension 2'),
     (["recognize", "boot", "--contacts", "touches.csv"], "touches.csv, line 3: is of dimension 3"),
     (["recognize", "bracket.stl", "--contacts", "boot"], "boot.json: contacts[0]: is of dimension 2"),
     (["recognize", "bracket.stl", "--contacts", "flat-prior.json"], "flat-prior.json: prior: world_from_model: the plane"),

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from palpate._core import Model
-from palpate.contacts.entry import MM_PER_UNIT, mm_per, refuse
+from palpate.contacts.entry import MM_PER_UNIT, mm_per, refuse, write_text
 from palpate.curves import CurveError, Tolerance
 from palpate.model_json import document_of, parse_model, text_of
 from palpate.outlines import Drawing, OutlineError, Shape, shapes_of
@@ -134,13 +134,13 @@ def save_model(model: Model, path: str | Path, *, unit: str = "mm") -> None:
         unit: Said in the file.
 
     Raises:
-        ValueError: If the suffix is another, or the unit is not known.
+        ValueError: If the suffix is another, the unit is not known, or the file can't be written.
     """
     path = Path(path)
     mm_per(unit, "unit")
     if path.suffix.lower() != ".json":
         refuse(path.name, f"models are written as JSON, not {path.suffix!r}", "name the file .json")
-    path.write_text(text_of(document_of(model, unit)), encoding="utf-8")
+    write_text(path, text_of(document_of(model, unit)))
 
 
 def bundled_parts() -> list[Model]:

@@ -2,8 +2,9 @@
 
 use numpy::PyArray1;
 use palpate::{Contact, Error, Normal};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyDict, PyType};
 
 use crate::convert::{
     any_vector, damaged, number, optional_vector, raise, restore, restored, tuple, vector, vector_array,
@@ -74,7 +75,10 @@ fn alone(missing: &str, given: &str, remedy: &str) -> PyErr {
 #[pymethods]
 impl PyContact {
     #[new]
-    #[pyo3(signature = (point, normal=None, *, position_error, normal_error=None, approach=None, start=None))]
+    #[pyo3(
+        signature = (point, normal=None, *, position_error, normal_error=None, approach=None, start=None, **others),
+        text_signature = "(point, normal=None, *, position_error, normal_error=None, approach=None, start=None)"
+    )]
     fn new(
         point: &Any<'_>,
         normal: Option<&Any<'_>>,
@@ -82,7 +86,16 @@ impl PyContact {
         normal_error: Option<&Any<'_>>,
         approach: Option<&Any<'_>>,
         start: Option<&Any<'_>>,
+        others: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        if let Some(other) = others.and_then(|others| others.keys().iter().next()) {
+            let name = other.extract::<String>()?;
+            let of_tip = ["center", "tip_radius"].contains(&name.as_str());
+            let remedy =
+                if of_tip { "; give the tip to Contact.from_tip(center, tip_radius, ...)" } else { "" };
+            let problem = format!("Contact() got an unexpected keyword argument '{name}'{remedy}");
+            return Err(PyTypeError::new_err(problem));
+        }
         Reading { position_error, normal, normal_error, approach, start }.contact("point", point, 0.0)
     }
 

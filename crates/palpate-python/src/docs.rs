@@ -350,7 +350,7 @@ Args:
     misses: Guarded moves that touched nothing.
     prior: What is known of the pose beforehand.
     tolerance: A pose is valid if it is within this share of the part's size; 1e-9 to 0.01.
-    max_hypotheses: More than this are not returned, and `Recognition.complete` says so.
+    max_hypotheses: More than this are not returned, and `Recognition.stopped_by` says so.
     time_limit: Seconds, after which what was not looked at is one last hypothesis of a model, not `proved`, and
         `Recognition.complete` is False.
     effort: Cells of poses to examine for one model, about, 1 or more, where contacts allow so many assignments that poses
@@ -388,7 +388,14 @@ The smallest such set up to ten contacts; above, one from which none can be left
 they are. None if there is a hypothesis, or if the search was cut short."
     };
     ("Recognition.complete") => {
-        r"Whether every hypothesis is here; if not, there are more than `max_hypotheses` or the search met its limit."
+        r"Whether every hypothesis is here, and proved; if not, `stopped_by` says why."
+    };
+    ("Recognition.stopped_by") => {
+        r#"Which limit ended the search before it knew all: the first of these that did, or None.
+
+`"time"`: the `time_limit`. `"effort"`: what may be examined; a larger `effort=` decides more. `"tolerance"`: at some poses it
+can't be told within `tolerance` whether they explain the contacts; one more contact may. `"hypotheses"`: there are more
+than `max_hypotheses`."#
     };
     ("Recognition.counters") => {
         r"What was done for each model (3.5).

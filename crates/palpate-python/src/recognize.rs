@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
-use palpate::{Count, Error, Evidence, ModelReport, Recognition, Settings};
+use palpate::{Count, Error, Evidence, Limit, ModelReport, Recognition, Settings};
 use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -84,12 +84,33 @@ impl Given<'_> {
         of_models.or_else(of_contacts).unwrap_or(DVec2::DIMENSION)
     }
 
+    /// All of one dimension: that of the first.
+    fn check_models<V: Vector>(&self) -> PyResult<()> {
+        let part = |model: &Bound<'_, PyModel>| {
+            let name = either!(&model.get().model, model => model.name.clone());
+            (name, model.get().model.dimension())
+        };
+        for (k, model) in self.models.iter().enumerate() {
+            let (name, dimension) = part(model);
+            if dimension != V::DIMENSION {
+                let (first, of_first) = part(&self.models[0]);
+                let problem = format!(
+                    "{name:?} is of dimension {dimension}, the first of the models, {first:?}, of dimension {of_first}"
+                );
+                let remedy = "don't mix the plane and space";
+                return Err(refuse(&format!("models[{k}]"), &problem, model.as_any(), remedy));
+            }
+        }
+        Ok(())
+    }
+
     fn recognize<V: Vector>(
         &self,
         py: Python<'_>,
         settings: &Settings,
         deadline: Deadline,
     ) -> PyResult<PyRecognition> {
+        self.check_models::<V>()?;
         let models = sorted::<V, _, _, _>("models", FIRST, &self.models, |one| &one.model)?;
         let evidence = Evidence::<V> {
             contacts: sorted::<V, _, _, _>("contacts", FIRST, &self.contacts, |one| &one.0)?,
@@ -181,6 +202,9 @@ pub(crate) fn kinds(features: &Any<'_>, in_space: bool) -> PyResult<Vec<String>>
         .enumerate()
         .map(|(k, kind)| text(&format!("features[{k}]"), kind))
         .collect::<PyResult<_>>()?;
+    if kinds.is_empty() {
+        return Err(raise(Error::new("features", "must not be empty", "()", remedy)));
+    }
     for kind in &kinds {
         match kind.as_str() {
             "face" | "vertex" => {}
@@ -266,6 +290,12 @@ impl PyRecognition {
         either!(&self.found, found => found.complete)
     }
 
+    #[doc = doc!("Recognition.stopped_by")]
+    #[getter]
+    fn stopped_by(&self) -> Option<&'static str> {
+        either!(&self.found, found => found.stopped_by.map(Limit::name))
+    }
+
     #[doc = doc!("Recognition.counters")]
     #[getter]
     fn counters<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
@@ -273,10 +303,15 @@ impl PyRecognition {
     }
 
     fn __repr__(&self) -> String {
-        let more = if self.complete() { "" } else { " of more" };
+        let more = match self.stopped_by() {
+            None => String::new(),
+            Some("hypotheses") => " of more".into(),
+            Some(limit) => format!(", not all is decided, stopped by {limit}"),
+        };
+        let plural = if self.hypotheses.len() == 1 { "hypothesis" } else { "hypotheses" };
         match self.conflict() {
             Some(contacts) => format!("<Recognition: no hypothesis, contacts {contacts:?} in conflict>"),
-            None => format!("<Recognition: {} hypotheses{more}>", self.hypotheses.len()),
+            None => format!("<Recognition: {} {plural}{more}>", self.hypotheses.len()),
         }
     }
 }

@@ -51,7 +51,7 @@ pub use plan::{EllisCounters, Plan, PlanSettings, Planner, Prepared, Stop, judge
 pub use projection::{
     FaceOf, Overlap, Projection, ProjectionSpace, Sheaf, projection_space, projection_space_until,
 };
-pub use recognize::{Explanations, ModelReport, Recognition, Settings, recognize, recognize_until};
+pub use recognize::{Explanations, Limit, ModelReport, Recognition, Settings, recognize, recognize_until};
 pub use refute::{Move, refuting_moves};
 pub use sensor::{Sensor, Stem};
 pub use why::Why;

@@ -16,6 +16,32 @@ use crate::{Error, Evidence};
 /// Set from outside to have a search given up.
 pub type Halt = Shared<AtomicBool>;
 
+/// What ended a search before it knew all: the first of them where there are several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Limit {
+    /// It was told to stop, by a limit of time or by the user.
+    Time,
+    /// [`Settings::effort`] was spent.
+    Effort,
+    /// Within [`Settings::tolerance`] a pose can neither be found nor excluded.
+    Tolerance,
+    /// There are more hypotheses than [`Settings::max_hypotheses`].
+    Hypotheses,
+}
+
+impl Limit {
+    /// Its name, as in Python.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Effort => "effort",
+            Self::Tolerance => "tolerance",
+            Self::Hypotheses => "hypotheses",
+        }
+    }
+}
+
 /// How to recognize. The defaults are stated here and nowhere else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -60,8 +86,16 @@ pub struct Explanations<V: Dimension = DVec2> {
     pub counters: Counters,
     /// Boxes of poses examined where the tree was given up.
     pub num_boxes: u64,
-    /// Nothing was left out.
-    pub complete: bool,
+    /// What left something undecided, if that is so.
+    pub stopped_by: Option<Limit>,
+}
+
+impl<V: Dimension> Explanations<V> {
+    /// No pose of the model explains the contacts.
+    #[must_use]
+    pub fn nothing() -> Self {
+        Self { hypotheses: Vec::new(), counters: Counters::default(), num_boxes: 0, stopped_by: None }
+    }
 }
 
 /// What was done for one model.
@@ -88,6 +122,8 @@ pub struct Recognition<V: Dimension = DVec2> {
     /// Every hypothesis is returned, and proved. If not, there are more than were asked for, or a search met its limit before it
     /// knew.
     pub complete: bool,
+    /// If it is not complete: by which limit.
+    pub stopped_by: Option<Limit>,
 }
 
 impl<V: Dimension> Recognition<V> {
@@ -148,7 +184,7 @@ pub fn recognize_until<V: Dimension>(
         num_hypotheses: one.hypotheses.len(),
     });
     let reports: Vec<ModelReport> = reports.collect();
-    let mut complete = explanations.iter().all(|one| one.complete);
+    let of_searches = explanations.iter().filter_map(|one| one.stopped_by).min();
     let mut hypotheses = Vec::new();
     for (model_number, one) in explanations.into_iter().enumerate() {
         hypotheses.extend(one.hypotheses.into_iter().map(|poses| Hypothesis {
@@ -157,14 +193,15 @@ pub fn recognize_until<V: Dimension>(
             poses,
         }));
     }
-    complete &= hypotheses.len() <= settings.max_hypotheses;
+    let too_many = (hypotheses.len() > settings.max_hypotheses).then_some(Limit::Hypotheses);
     hypotheses.truncate(settings.max_hypotheses);
-    let going_on = || !stop.load(Relaxed);
-    complete &= going_on();
+    let late = || stop.load(Relaxed).then_some(Limit::Time);
+    let stopped_by = late().or(of_searches).or(too_many);
+    let complete = stopped_by.is_none();
     let conflict = (complete && hypotheses.is_empty()).then(|| conflict(models, evidence, settings, stop));
     // Given up in the middle of it: then it is not known.
-    let conflict = conflict.filter(|_| going_on());
-    Ok(Recognition { hypotheses, conflict, reports, complete })
+    let conflict = conflict.filter(|_| late().is_none());
+    Ok(Recognition { hypotheses, conflict, reports, complete, stopped_by })
 }
 
 fn check<V: Dimension>(
@@ -179,7 +216,12 @@ fn check<V: Dimension>(
         return Err(Error::new("contacts", "must not be empty", "[]", "give at least one contact"));
     }
     if !settings.faces && settings.edges != Some(true) && settings.vertices == Some(false) {
-        return Err(Error::new("features", "must not be empty", "()", "give \"face\", \"vertex\" or both"));
+        return Err(Error::new(
+            "features",
+            "must not be empty",
+            "()",
+            "give \"face\", in space \"edge\", or \"vertex\"",
+        ));
     }
     if !(1e-9..=1e-2).contains(&settings.tolerance) {
         let remedy = "give a share of the part's size from 1e-9 to 0.01, such as 1e-6";
@@ -254,11 +296,14 @@ fn conflict<V: Dimension>(
     stop: &Halt,
 ) -> Vec<usize> {
     let explained = |members: &[usize]| {
+        if stop.load(Relaxed) {
+            return true;
+        }
         let contacts = members.iter().map(|number| evidence.contacts[*number]).collect();
         let evidence = Evidence { contacts, ..evidence.clone() };
         models.par_iter().any(|model| {
             let found = V::explain(model, &evidence, settings, stop);
-            !found.hypotheses.is_empty() || !found.complete
+            !found.hypotheses.is_empty() || found.stopped_by.is_some()
         })
     };
     let count = evidence.contacts.len();

@@ -4,6 +4,9 @@
 //! model, and between two contacts. It serves the plane and space alike.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::Ordering::Relaxed;
+
+use crate::recognize::Halt;
 
 /// A closed range. Of an angle, it is an arc of the circle, counter-clockwise from `low`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,15 +110,16 @@ pub struct Counters {
 
 /// Visits every feasible assignment, in lexicographic order where the tables have no index.
 ///
-/// Stops early, and says so, when `visit` breaks or when `max_nodes` were tried.
+/// Ends early, and says so, when `visit` breaks, when `max_nodes` were tried, or soon after `stop` is set.
 pub fn search(
     features: &impl FeaturePairs,
     contacts: &ContactPairs,
     max_nodes: u64,
+    stop: &Halt,
     counters: &mut Counters,
     visit: &mut impl FnMut(&[usize]) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let mut tree = Tree { features, contacts, max_nodes, counters, visit };
+    let mut tree = Tree { features, contacts, max_nodes, stop, counters, visit };
     tree.extend(&mut Vec::with_capacity(contacts.candidates.len()))
 }
 
@@ -123,6 +127,7 @@ struct Tree<'a, F, V> {
     features: &'a F,
     contacts: &'a ContactPairs,
     max_nodes: u64,
+    stop: &'a Halt,
     counters: &'a mut Counters,
     visit: &'a mut V,
 }
@@ -150,7 +155,7 @@ impl<F: FeaturePairs, V: FnMut(&[usize]) -> ControlFlow<()>> Tree<'_, F, V> {
 
     fn try_feature(&mut self, assignment: &mut Vec<usize>, feature: usize) -> ControlFlow<()> {
         self.counters.nodes += 1;
-        if self.counters.nodes > self.max_nodes {
+        if self.counters.nodes > self.max_nodes || self.stop.load(Relaxed) {
             return ControlFlow::Break(());
         }
         if self.consistent(assignment, feature) {

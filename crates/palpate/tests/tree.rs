@@ -2,8 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
+use std::sync::atomic::Ordering::Relaxed;
 
 use fastrand::Rng;
+use palpate::recognize::Halt;
 use palpate::tree::{ContactPairs, Counters, FeaturePairs, PairRange, Range, search};
 
 /// `pairs[a][b]`, with an index or without.
@@ -84,7 +86,7 @@ fn random_problem(random: &mut Rng) -> (Table, ContactPairs) {
 
 fn found(table: &Table, contacts: &ContactPairs, max_nodes: u64) -> (Vec<Vec<usize>>, Counters, bool) {
     let (mut all, mut counters) = (Vec::new(), Counters::default());
-    let end = search(table, contacts, max_nodes, &mut counters, &mut |assignment| {
+    let end = search(table, contacts, max_nodes, &Halt::default(), &mut counters, &mut |assignment| {
         all.push(assignment.to_vec());
         ControlFlow::Continue(())
     });
@@ -119,4 +121,26 @@ fn a_search_that_is_cut_short_says_so_and_finds_the_first() {
         assert_eq!(whole, limit >= counters.nodes);
         assert_eq!(some, all[..some.len()]);
     }
+}
+
+/// Once it is told to stop, it tries no more.
+#[test]
+fn a_search_that_is_stopped_says_so() {
+    let mut random = Rng::with_seed(3);
+    let mut num_stopped = 0;
+    for _ in 0..500 {
+        let (table, contacts) = random_problem(&mut random);
+        let (all, counters, _) = found(&table, &contacts, u64::MAX);
+        let (stop, mut num_found, mut stopped) = (Halt::default(), 0, Counters::default());
+        let end = search(&table, &contacts, u64::MAX, &stop, &mut stopped, &mut |assignment| {
+            assert_eq!(assignment, all[num_found]);
+            num_found += 1;
+            stop.store(true, Relaxed);
+            ControlFlow::Continue(())
+        });
+        assert_eq!(num_found, all.len().min(1));
+        assert!(stopped.nodes <= counters.nodes);
+        num_stopped += usize::from(end.is_break());
+    }
+    assert!(num_stopped > 100, "{num_stopped}");
 }

@@ -46,7 +46,9 @@ def _run(arguments: Sequence[str] | None) -> int:
         return BAD_INPUT
     except OSError as error:
         problem = error.strerror or str(error)
-        complain(f"{error.filename}: {problem}" if error.filename else problem)
+        named = isinstance(error, (FileNotFoundError, NotADirectoryError, IsADirectoryError, PermissionError))
+        remedy = "; check its name, its folder, and their permissions" if named else ""
+        complain(f"{error.filename}: {problem}{remedy}" if error.filename else problem)
         _write_no_more()
         return BAD_INPUT
     except ValueError as error:

@@ -64,6 +64,7 @@ def recognition_document(
         "readings": [_reading(model) for model in models],
         "contact_count": num_contacts,
         "complete": found.complete,
+        "stopped_by": found.stopped_by,
         "hypothesis_count": hypothesis_count(found),
         "interpretation_count": found.interpretation_count,
         "interpretation_count_exact": found.interpretation_count_exact,

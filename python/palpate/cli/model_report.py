@@ -23,8 +23,8 @@ from palpate.solids.faces import face_areas, face_places
 MOST_IN_LINE = 8  # numbers that are listed one by one
 
 
-def print_models(console: Console, parts: Parts, *, unit: str) -> None:
-    """What was read of each model; what was changed in reading comes first."""
+def print_models(console: Console, parts: Parts, *, unit: str, faces: bool) -> None:
+    """What was read of each model; what was changed in reading comes first. `faces`: each of them too."""
     for number, (model, label) in enumerate(zip(parts.models, parts.labels, strict=True), start=1):
         kind = "closed" if model.closed else "open"
         numbers = {"face": len(model.faces), "edge": len(model.edges), "vertex": len(model.vertices)}
@@ -46,9 +46,12 @@ def print_models(console: Console, parts: Parts, *, unit: str) -> None:
             untouchable = [int(k) for k in np.flatnonzero(~np.asarray(touchable))]
             if untouchable:
                 console.print(f"  {nouns} that can't be touched: {_numbers(untouchable)}")
-        console.print(_face_table(model, unit=unit))
-        if len(model.faces) > MOST_ROWS:
-            console.print(f"  ... and {len(model.faces) - MOST_ROWS} more faces; --json lists all of them.")
+        if faces:
+            console.print(_face_table(model, unit=unit))
+            if len(model.faces) > MOST_ROWS:
+                console.print(
+                    f"  ... and {len(model.faces) - MOST_ROWS} more faces; --json lists all of them."
+                )
 
 
 def _face_table(model: Model, *, unit: str) -> Table:

@@ -17,10 +17,11 @@ def models(
     flattening: options.Flattening = None,
     position_slack: options.PositionSlack = 0.0,
     normal_slack_deg: options.NormalSlackDeg = 0.0,
+    faces: options.Faces = False,
     plot: options.Plot = None,
     json: options.Json = False,
 ) -> None:
-    """What was read of each model: faces, vertices, size, symmetries, slack, and what was mended."""
+    """What was read of each model: counts, size, symmetries, slack, what was mended, its faces if wanted."""
     if plot is not None:
         from palpate.plots.style import check_picture_path
 
@@ -40,7 +41,7 @@ def models(
     if json:
         print_document(models_document(parts.models, unit=unit))
     else:
-        print_models(console, parts, unit=unit)
+        print_models(console, parts, unit=unit, faces=faces)
     if plot is not None:
         # After what was read is printed: a picture that fails takes nothing with it.
         from palpate.plots import plot_models, save_figure

@@ -14,6 +14,7 @@ from palpate.parts import contacts_path
 KINDS = ("face", "edge", "vertex")
 MOST_LISTED = 1_000_000
 MOST_HYPOTHESES = 1_000_000_000
+MOST_EFFORT = 1_000_000_000_000
 
 
 def number(low: float, high: float, meaning: str) -> Callable[[str | float], float]:
@@ -208,6 +209,16 @@ TimeLimit = Annotated[
         show_default=False,
     ),
 ]
+Effort = Annotated[
+    int | None,
+    typer.Option(
+        parser=whole(1, MOST_EFFORT),
+        metavar="N",
+        help="Where poses are divided, examine about so many cells of each model at most: a limit that gives "
+        "the same answer every time. Else 2,000,000 in the plane, 20,000 in space.",
+        show_default=False,
+    ),
+]
 ListInterpretations = Annotated[
     int,
     typer.Option(
@@ -252,6 +263,9 @@ NormalSlackDeg = Annotated[
         help="The same for their normals.",
         rich_help_panel="Model files",
     ),
+]
+Faces = Annotated[
+    bool, typer.Option("--faces", metavar="", help="List the faces of each model, with their numbers.")
 ]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="Draw a picture: .svg, .png or .pdf.")]
 PlotRange = Annotated[

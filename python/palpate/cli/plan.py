@@ -235,6 +235,7 @@ def _print(console: Console, asked: _Asked, planned: _Planned, *, tree: bool, st
         labels=asked.parts.labels,
         notes=part_notes(asked.parts, unit=asked.unit),
         unit=asked.unit,
+        size=max(model.size for model in asked.parts.models),
     )
     if stats:
         print_counters(console, asked.found, asked.parts.labels)
@@ -243,7 +244,7 @@ def _print(console: Console, asked: _Asked, planned: _Planned, *, tree: bool, st
     console.print(f"sensor: {sensor_words(asked.sensor, unit=asked.unit)}", soft_wrap=True)
     if not asked.found.complete:
         console.print(
-            "[bold]more hypotheses are left than are listed[/bold]: what is said of paths holds for these"
+            "[bold]more may be left than is listed[/bold]: what is said of paths holds for these hypotheses"
         )
     if tree and planned.tree is not None:
         console.print(planned.tree.to_text(), markup=False, soft_wrap=True, end="")

@@ -26,7 +26,7 @@ WHY = {
     "time": "--time-limit cut the search short; proved so far: no score is below {bound}.",
     "effort": "The limit of effort cut the search short; proved so far: no score is below {bound}. "
     "--effort allows more.",
-    "incomplete": "One hypothesis is listed of more that are left: --max-hypotheses lists more.",
+    "incomplete": "One hypothesis is listed of more that may be left: see above.",
     "searched": "This planner looks at some lines only; --planner complete looks at all.",
 }
 

@@ -40,6 +40,7 @@ def recognize(
     features: options.Features = None,
     max_hypotheses: options.MaxHypotheses = None,
     time_limit: options.TimeLimit = None,
+    effort: options.Effort = None,
     list_interpretations: options.ListInterpretations = 0,
     unit: options.Unit = "mm",
     layers: options.Layers = None,
@@ -57,7 +58,7 @@ def recognize(
 
     Exit code 0: there is an answer, also where it is that nothing explains the contacts; 2: bad input.
     """
-    _check_plot(plot, plot_range)
+    _check_plot(plot, plot_range, max_hypotheses)
     parts = load_parts(
         models,
         unit=unit,
@@ -76,7 +77,7 @@ def recognize(
     )
     bounds = {"translation": prior_translation, "rotation_deg": prior_rotation_deg}
     prior = prior_of(prior_pose, **bounds, on_table=on_table, dimension=parts.dimension) or evidence.prior
-    limits = {"max_hypotheses": max_hypotheses, "time_limit": time_limit}
+    limits = {"max_hypotheses": max_hypotheses, "time_limit": time_limit, "effort": effort}
     given: dict[str, Any] = {name: value for name, value in limits.items() if value is not None}
     kinds = None if features is None else tuple(features.split(","))
     try:
@@ -109,6 +110,8 @@ def recognize(
             notes=part_notes(parts, unit=unit),
             unit=unit,
             num_listed=list_interpretations,
+            flags={"time": "--time-limit", "effort": "--effort"},
+            size=max(model.size for model in parts.models),
         )
         if stats:
             print_counters(console, found, parts.labels)
@@ -129,8 +132,13 @@ def with_place(message: str, evidence: Evidence, *, file: Path) -> str:
     return f"{file.name}{':' if place.startswith('contacts') else ','} {place}{message[about.end() :]}"
 
 
-def _check_plot(plot: Path | None, plot_range: int | None) -> None:
-    """Refuse a picture that can't be made before the search, not after it."""
+def _check_plot(plot: Path | None, plot_range: int | None, max_hypotheses: int | None) -> None:
+    """Refuse a picture that can't be made before the search, not after it, as far as that is known."""
+    if plot_range is not None and max_hypotheses is not None and plot_range > max_hypotheses:
+        raise ValueError(
+            f"--plot-range {plot_range}: no more than --max-hypotheses {max_hypotheses} are returned; "
+            "raise it"
+        )
     if plot is not None:
         from palpate.plots.style import check_picture_path
 

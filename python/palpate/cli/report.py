@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from rich import box
 from rich.console import Console
@@ -14,8 +14,21 @@ from rich.table import Table
 from palpate import Found, Hypothesis, Recognition
 from palpate.cli.documents import components, excursion_bound, hypothesis_count
 from palpate.contacts import Evidence
+from palpate.contacts.entry import MM_PER_UNIT
 
 MOST_ROWS = 40
+MOST_OFF = 2.0  # contacts farther apart, in sizes of the largest model, are in another unit rather than wrong
+
+# What ended a search before it knew all, and what to do; {flag} names the flag that allows more.
+STOPPED_BY = {
+    "time": "The limit of time ended the search: what it had not looked at may be other parts or poses. "
+    "Remedy: more time{flag}, a prior, or another contact.",
+    "effort": "The search has spent its effort: what is not proved may be other parts or poses, or none. "
+    "Remedy: more effort{flag}, a prior, or another contact.",
+    "tolerance": "Within the tolerance it can't be told whether some poses explain the contacts. "
+    "Remedy: another contact, or tighter bounds.",
+    "hypotheses": "Other parts or poses may explain the contacts: raise --max-hypotheses, or give a prior.",
+}
 
 USUAL_CAUSES = (
     "Usual causes: bounds that are too small, another unit, degrees taken for radians or the reverse, "
@@ -32,22 +45,28 @@ def print_recognition(
     notes: Sequence[str] = (),
     unit: str,
     num_listed: int = 0,
+    flags: Mapping[str, str] | None = None,
+    size: float | None = None,
 ) -> None:
     """What was found: a sentence, a table of hypotheses, and what the reader must know to trust it.
 
-    `labels` are names of the models that tell them apart, `notes` what is to be known of them.
+    `labels` are names of the models that tell them apart, `notes` what is to be known of them, `flags` those
+    that allow more where "time" or "effort" ended the search, `size` that of the largest model.
     """
     given = f"{count(len(evidence.contacts), 'contact')}, {count(len(labels), 'model')}"
     console.print(f"{given}: {_verdict(found, labels)}")
     for note in notes:
         console.print(f"  {note}", markup=False, soft_wrap=True)
-    if not found.complete:
-        console.print(
-            "Other parts or poses may explain the contacts: raise --max-hypotheses, or give a prior."
-        )
+    if found.stopped_by is not None:
+        flag = (flags or {}).get(found.stopped_by)
+        sentence = STOPPED_BY[found.stopped_by].format(flag=f" ({flag})" if flag else "")
+        console.print(sentence, markup=False, soft_wrap=True)
     if not found.hypotheses:
         if found.conflict is not None:
             console.print(conflict_sentence(found.conflict, evidence), markup=False, soft_wrap=True)
+            apart = None if size is None else too_far_apart(evidence, size=size, unit=unit)
+            if apart is not None:
+                console.print(apart, markup=False, soft_wrap=True)
             console.print(USUAL_CAUSES, soft_wrap=True)
         return
     console.print(_hypothesis_table(found.hypotheses[:MOST_ROWS], labels))
@@ -59,10 +78,14 @@ def print_recognition(
         f"x, y, {'z, ' if in_space else ''}shift in {unit}{angles}. Turn, shift: no two poses of one "
         "hypothesis differ by more; the shift is that of any vertex of the part."
     )
-    if any(hypothesis.marginal for hypothesis in found.hypotheses):
+    if any(hypothesis.marginal and hypothesis.proved for hypothesis in found.hypotheses):
         console.print("* marginal: holds only within the tolerance of the search.")
     if not all(hypothesis.proved for hypothesis in found.hypotheses):
-        console.print("? not proved: the search ended before it knew whether a pose explains every contact.")
+        console.print(
+            "? not proved: the search ended before it knew whether a pose explains every contact; the pose "
+            "is a guess.",
+            soft_wrap=True,
+        )
     for number, hypothesis in enumerate(found.hypotheses[: MOST_ROWS if num_listed else 0], start=1):
         label = labels[hypothesis.model_number]
         console.print(f"interpretations of {number}, {escape(label)}:")
@@ -96,6 +119,30 @@ def conflict_sentence(conflict: Sequence[int], evidence: Evidence) -> str:
     return f"Contacts {words(numbers)}{at} can't hold together on any model{given}{rest}."
 
 
+def too_far_apart(evidence: Evidence, *, size: float, unit: str) -> str | None:
+    """Two contacts that are farther apart than any model is large, and the unit that would make up for it."""
+    far: tuple[float, int, int] = (0.0, 0, 0)
+    for (j, a), (k, b) in itertools.combinations(enumerate(evidence.contacts), 2):
+        slack = a.tip_radius + a.position_error + b.tip_radius + b.position_error
+        far = max(far, (math.dist(a.center, b.center) - slack, j, k))
+    if far[0] <= size:
+        return None
+    first, second = far[1:]
+    apart = math.dist(evidence.contacts[first].center, evidence.contacts[second].center)
+    sentence = (
+        f"Contacts {first + 1} and {second + 1} are {apart:.4g} {unit} apart, "
+        f"no model is larger than {size:.4g} {unit}"
+    )
+    fits = [(mm, name) for name, mm in MM_PER_UNIT.items() if size * mm / MM_PER_UNIT[unit] >= far[0]]
+    if far[0] < MOST_OFF * size or not fits:
+        return f"{sentence}."
+    larger = min(fits)[1]
+    return (
+        f"{sentence}: is the model's file in {larger}? Then give --unit {larger}, and say # unit: {unit} "
+        "in the file of the contacts."
+    )
+
+
 def _places(places: Sequence[str]) -> str:
     """Where contacts are in their file, which counts comments, blank lines and misses too."""
     if not places:
@@ -119,9 +166,18 @@ def _verdict(found: Recognition | Found, labels: Sequence[str]) -> str:
     if not found.complete:
         number = hypothesis_count(found)
         listed = len(found.hypotheses)
-        reached = f"{count(number, 'hypothesis')} reached"
-        shown = "" if number == listed else f", the first {listed} listed"
-        return f"[bold]not all hypotheses were found[/bold]; {reached}{shown}, {interpretations}."
+        reached = [
+            f"{count(number, 'hypothesis')} reached"
+            + ("" if number == listed else f", the first {listed} listed")
+        ]
+        unproved = sum(not hypothesis.proved for hypothesis in found.hypotheses)
+        if unproved:
+            reached.append("none of them proved" if unproved == number else f"{unproved} of them not proved")
+        if found.interpretation_count:
+            reached.append(interpretations)
+        few = found.stopped_by == "hypotheses"
+        head = "not all hypotheses were found" if few else "not everything was decided"
+        return f"[bold]{head}[/bold]; {', '.join(reached)}."
     if not parts:
         return "[bold]no part at any pose explains them.[/bold]"
     if len(parts) == 1:
@@ -143,10 +199,16 @@ def _hypothesis_table(hypotheses: Sequence[Hypothesis], labels: Sequence[str]) -
             escape(labels[hypothesis.model_number]) + _doubt(hypothesis),
             _at_least_number(hypothesis.interpretation_count, hypothesis.interpretation_count_exact),
             *(f"{v:.2f}" if name.endswith("_deg") else decimal(v, size) for name, v in pose.items()),
-            _bound(math.degrees(hypothesis.poses.rotation_bound)),
-            _bound(excursion_bound(hypothesis)),
+            *_extents(hypothesis),
         )
     return table
+
+
+def _extents(hypothesis: Hypothesis) -> tuple[str, str]:
+    """The bounds of turn and shift. Of what is not proved they say only what was not looked at."""
+    if not hypothesis.proved:
+        return "unknown", "unknown"
+    return _bound(math.degrees(hypothesis.poses.rotation_bound)), _bound(excursion_bound(hypothesis))
 
 
 def _print_interpretations(console: Console, hypothesis: Hypothesis, *, num_listed: int) -> None:
@@ -166,10 +228,14 @@ def count(number: int, noun: str) -> str:
 
 
 def _at_least(number: int, exact: bool) -> str:
-    return count(number, "interpretation") if exact else f"at least {_truncated(number)} interpretations"
+    if exact or number == 1:
+        return f"{'' if exact else 'at least '}{count(number, 'interpretation')}"
+    return f"at least {_truncated(number)} interpretations"
 
 
 def _at_least_number(number: int, exact: bool) -> str:
+    if not exact and number == 0:
+        return "unknown"
     return f"{number}" if exact else f"≥ {_truncated(number)}"
 
 

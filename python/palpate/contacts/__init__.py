@@ -31,6 +31,7 @@ from palpate.contacts.entry import (
     prior_of,
     refuse,
     sheet_of,
+    write_text,
 )
 from palpate.contacts.entry import Sheet as Sheet
 from palpate.contacts.json_file import document_of, parse_json
@@ -67,7 +68,7 @@ def read_contacts(
         path_error: For misses whose own is not in the file; else their position error stands for it.
 
     Raises:
-        ValueError: Naming file, line and column, or the place in the JSON document.
+        ValueError: Naming file, line and column, or the place in the JSON document, or that it is not there.
     """
     path = Path(path)
     if path.is_dir():
@@ -103,7 +104,8 @@ def write_contacts(
 
     Raises:
         ValueError: If the suffix is neither, something else is among the contacts or misses, the plane is
-            mixed with space, or a prior is to go into CSV, which has no place for it.
+            mixed with space, a prior is to go into CSV, which has no place for it, or the file can't be
+            written.
     """
     path = Path(path)
     mm_per(unit, "unit")
@@ -117,7 +119,7 @@ def write_contacts(
         text = csv_text(sheet)
     else:
         refuse(path.name, f"suffix {suffix!r} is not known", "name the file .csv or .json")
-    path.write_text(text, encoding="utf-8")
+    write_text(path, text)
 
 
 def contacts_document(
@@ -131,5 +133,13 @@ def contacts_document(
 def _text_of(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        refuse(
+            str(path),
+            "no such file",
+            "give a .csv or .json file; at the command line, a bundled part's name stands for its contacts",
+        )
+    except OSError as error:
+        refuse(str(path), f"can't be read: {error.strerror}", "check the file's permissions")
     except UnicodeDecodeError:
         refuse(path.name, "is not UTF-8 text", "save it as UTF-8")

@@ -50,7 +50,7 @@ def parse_csv(name: str, text: str) -> Sheet:
         if row:  # a row of blanks is what spreadsheets leave at the end
             (misses if _kind(where, row) == "miss" else contacts).append(_entry(where, row, header))
     if header is None:
-        refuse(name, "no header in it", "begin with a line such as x,y,nx,ny")
+        refuse(name, "no header in it", f"begin with a line such as {_columns_for(0)}")
     return Sheet(unit, contacts, misses)
 
 
@@ -121,7 +121,7 @@ def _all_or(columns: tuple[str, ...], otherwise: str = "") -> str:
 
 def _refuse_what_is_no_header(where: str, cells: list[str]) -> None:
     """Name the cause where the first row is no header at all."""
-    begin = "begin with a line such as x,y,nx,ny"
+    begin = f"begin with a line such as {_columns_for(len([cell for cell in cells if cell]))}"
     for separator, plural in ((";", "semicolons"), ("\t", "tabs")):
         if len(cells) == 1 and separator in cells[0]:
             refuse(where, f"its columns are separated by {plural}", "use commas, and points in decimals")
@@ -129,6 +129,12 @@ def _refuse_what_is_no_header(where: str, cells: list[str]) -> None:
         refuse(where, "the header is blank", begin)
     if all(NUMBER.fullmatch(cell) for cell in cells if cell):
         refuse(where, "numbers where the header should be", begin)
+
+
+def _columns_for(count: int) -> str:
+    """Columns that so many numbers in a row may be."""
+    known = {2: "x,y", 3: "x,y,z", 4: "x,y,nx,ny", 6: "x,y,z,nx,ny,nz"}
+    return known.get(count, "x,y,nx,ny, in space x,y,z,nx,ny,nz")
 
 
 def _row_of(where: str, cells: list[str], header: list[str]) -> dict[str, str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, NoReturn, TypeVar, cast
 
 import numpy as np
@@ -104,6 +105,18 @@ def check_dimension(points: Iterable[tuple[str, int]], *, remedy: str) -> None:
 def refuse(where: str, problem: str, remedy: str) -> NoReturn:
     """Bad input: one line that says where, what, and what to do."""
     raise ValueError(f"{where}: {problem}; {remedy}")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file; where that fails, say what to do."""
+    try:
+        path.write_text(text, encoding="utf-8")
+    except FileNotFoundError:
+        refuse(str(path), "its folder is not there", "make the folder first, or name another file")
+    except OSError as error:
+        refuse(
+            str(path), f"can't be written: {error.strerror}", "name a file in a folder that can be written"
+        )
 
 
 def mm_per(unit: str, where: str) -> float:

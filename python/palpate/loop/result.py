@@ -93,6 +93,11 @@ class Found:
         return self.recognition.complete
 
     @property
+    def stopped_by(self) -> str | None:
+        """As `Recognition.stopped_by`."""
+        return self.recognition.stopped_by
+
+    @property
     def interpretation_count(self) -> int:
         """Of the hypotheses that are left; at least, where `interpretation_count_exact` is false."""
         if not self.refuted:

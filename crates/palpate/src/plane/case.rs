@@ -16,7 +16,7 @@ use super::pose::Pose;
 use super::site::Site;
 use crate::contact::{Contact, Evidence, GRAZING, Prior};
 use crate::feature::Feature;
-use crate::recognize::Halt;
+use crate::recognize::{Halt, Limit};
 use crate::sweep::Sweep;
 
 /// A pose as rotation and the model point at the pivot.
@@ -130,9 +130,14 @@ impl Case {
         Self { stop: Halt::clone(stop), effort, ..self }
     }
 
-    /// Whether searches are to be given up.
-    pub fn stopped(&self) -> bool {
-        self.stop.load(Relaxed)
+    /// Whether searches are to be given up: the limit that says so.
+    pub fn late(&self) -> Option<Limit> {
+        self.stop.load(Relaxed).then_some(Limit::Time)
+    }
+
+    /// What tells searches to be given up.
+    pub fn halt(&self) -> &Halt {
+        &self.stop
     }
 
     /// The same case with the bounds of every reading multiplied by `share`.

@@ -35,17 +35,17 @@ struct Valid {
 
 /// Every hypothesis of one model (thesis chapter 2, in its own order).
 pub(crate) fn explain(case: Case, tables: &FeatureTables) -> Explanations {
-    let mut counters = Counters::default();
     if !case.consistent() {
-        return Explanations { hypotheses: Vec::new(), counters, num_boxes: 0, complete: true };
+        return Explanations::nothing();
     }
+    let mut counters = Counters::default();
     let feasible = interpretation_tree(&case, tables, &mut counters);
     let case = Shared::new(case);
     match feasible {
         Some(assignments) => {
             let hypotheses = pose_sets(&case, join(&case, valid(&case, assignments), Vec::new()));
-            let complete = !hypotheses.iter().any(PoseSet::undecided);
-            Explanations { hypotheses, counters, num_boxes: 0, complete }
+            let stopped_by = hypotheses.iter().filter_map(PoseSet::undecided).min();
+            Explanations { hypotheses, counters, num_boxes: 0, stopped_by }
         }
         None => explain_by_cells(&case, tables, counters),
     }
@@ -69,7 +69,7 @@ fn interpretation_tree(
         }
         ControlFlow::Continue(())
     };
-    let outcome = tree::search(tables, &contacts, MOST_NODES, counters, &mut keep);
+    let outcome = tree::search(tables, &contacts, MOST_NODES, case.halt(), counters, &mut keep);
     feasible.sort_unstable();
     outcome.is_continue().then_some(feasible)
 }
@@ -108,8 +108,9 @@ fn explain_by_cells(case: &Shared<Case>, tables: &FeatureTables, counters: Count
         .map(|assignment| if stands_for_itself { assignment } else { case.model.representative(assignment) });
     let assignments: BTreeSet<Vec<Feature>> = assignments.collect();
     let hypotheses = pose_sets(case, join(case, valid(case, assignments.into_iter().collect()), dense));
-    let complete = division.complete && !hypotheses.iter().any(PoseSet::undecided);
-    Explanations { hypotheses, counters, num_boxes: division.examined, complete }
+    let undecided = hypotheses.iter().filter_map(PoseSet::undecided);
+    let stopped_by = undecided.chain(division.stopped_by).min();
+    Explanations { hypotheses, counters, num_boxes: division.examined, stopped_by }
 }
 
 /// One turn, or, without a prior, the part of it that the model's symmetries repeat.

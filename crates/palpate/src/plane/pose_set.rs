@@ -17,6 +17,7 @@ use super::thesis::ThesisPose;
 use crate::dimension::Poses;
 use crate::feature::Feature;
 use crate::hypothesis::{Count, choices};
+use crate::recognize::Limit;
 
 /// Pieces in which the pose of largest slack is looked for. Contacts on small arcs make thousands, which take seconds, for a
 /// pose that is as good as any of its set.
@@ -157,9 +158,9 @@ impl PoseSet {
         self.case.pose(proven.unwrap_or(witness).pose)
     }
 
-    /// Whether the search met its limit in it, so that a witness may not be valid.
-    pub(crate) fn undecided(&self) -> bool {
-        self.witnesses().any(|witness| witness.undecided)
+    /// The limit that the search met in it, if it did, so that a witness may not be valid.
+    pub(crate) fn undecided(&self) -> Option<Limit> {
+        self.witnesses().filter_map(|witness| witness.undecided).min()
     }
 
     /// Whether every witness needs the tolerance τ.
@@ -393,7 +394,7 @@ impl Poses<DVec2> for PoseSet {
     }
 
     fn proved(&self) -> bool {
-        self.witnesses().any(|witness| !witness.undecided)
+        self.witnesses().any(|witness| witness.is_decided())
     }
 
     fn witness(&self) -> Pose {

@@ -9,6 +9,7 @@ use super::arc::Arc;
 use super::case::PivotPose;
 use super::cell::{Cell, Conditions};
 use crate::nearest::Nearest;
+use crate::recognize::Limit;
 use crate::witness;
 
 /// A pose that satisfies the conditions.
@@ -63,7 +64,7 @@ pub(crate) fn solve(conditions: &Conditions<'_>) -> Option<Solution> {
     let witness = witness(conditions)?;
     let cells = cells(conditions);
     // Nothing is left of the enclosure: that is a certificate, though the search was undecided.
-    let refuted = witness.undecided && cells.is_empty();
+    let refuted = !witness.is_decided() && cells.is_empty();
     (!refuted).then_some(Solution { cells, witness })
 }
 
@@ -114,16 +115,16 @@ fn search(conditions: &Conditions<'_>, cells: Vec<Cell>, most_examined: u32) -> 
             match probe(conditions, &mut cell, if fine { 50 * NUM_CUTS } else { NUM_CUTS }, &mut fallback) {
                 Probe::Found(witness) => return Some(witness),
                 Probe::Empty => continue,
-                Probe::Left => Witness { pose: cell.candidate(), marginal: true, undecided: true },
+                Probe::Left => cell.candidate(),
             };
-        if fallback.is_none() && (fine || num_examined >= most_examined || conditions.case.stopped()) {
+        let spent = (num_examined >= most_examined).then_some(Limit::Effort);
+        let enough = conditions.case.late().or(spent);
+        let limit = enough.or(fine.then_some(Limit::Tolerance));
+        if let (None, Some(limit)) = (fallback, limit) {
             // Neither a witness nor a certificate: kept, so that nothing true is lost.
-            fallback = Some(left);
+            fallback = Some(Witness::guess(left, limit));
         }
-        if num_examined >= most_examined
-            || conditions.case.stopped()
-            || (fallback.is_some() && num_examined > ENOUGH_MARGINAL)
-        {
+        if enough.is_some() || (fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
             break;
         }
         if !fine {
@@ -161,11 +162,11 @@ fn probe(
     for _ in 0..num_cuts {
         let pose = cell.candidate();
         if conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
-            return Probe::Found(Witness { pose, marginal: false, undecided: false });
+            return Probe::Found(Witness { pose, marginal: false, undecided: None });
         }
-        let wanted = fallback.is_none_or(|known| known.undecided);
+        let wanted = fallback.is_none_or(|known| !known.is_decided());
         if wanted && conditions.satisfied(pose, case.length_tolerance, case.angle_tolerance) {
-            *fallback = Some(Witness { pose, marginal: true, undecided: false });
+            *fallback = Some(Witness { pose, marginal: true, undecided: None });
         }
         if !cell.cut_at(conditions, pose) {
             return Probe::Empty;

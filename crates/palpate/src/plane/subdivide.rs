@@ -14,6 +14,7 @@ use super::site::Site;
 use super::solve::{self, Witness};
 use crate::feature::Feature;
 use crate::nearest::Nearest;
+use crate::recognize::Limit;
 
 /// A box is left as assignments when there are at most so many.
 const FEW: usize = 4;
@@ -60,8 +61,8 @@ pub(crate) struct Subdivision {
     pub dense: Vec<Bundle>,
     /// Boxes examined.
     pub examined: u64,
-    /// Every pose is in a box that is left.
-    pub complete: bool,
+    /// What left boxes that are not small, if there are any: every pose is in a box that is left all the same.
+    pub stopped_by: Option<Limit>,
 }
 
 /// For each contact the features it may lie on in a box, with their sites.
@@ -74,7 +75,7 @@ pub(crate) fn subdivide(case: &Case, features: &[Feature], rotations: Arc) -> Su
     let finest = (SMALLEST * smallest).max(0.25 * case.length_tolerance);
     let wanted = (SMALL * largest).max(finest);
     let mut small = (FIRST * case.model.size).max(wanted);
-    let mut left = Subdivision { complete: true, ..Subdivision::default() };
+    let mut left = Subdivision::default();
     let all = Bundle {
         cell: root(case, rotations),
         features: vec![features.to_vec(); case.data.len()],
@@ -104,9 +105,10 @@ impl Subdivision {
         let mut stack = vec![(bundle.cell, options)];
         while let Some((cell, options)) = stack.pop() {
             self.examined += 1;
-            if self.examined > case.effort.unwrap_or(MOST_BOXES) || case.stopped() {
+            let spent = (self.examined > case.effort.unwrap_or(MOST_BOXES)).then_some(Limit::Effort);
+            if let Some(limit) = case.late().or(spent) {
                 // Kept as it is, so that nothing true is lost.
-                self.complete = false;
+                self.stopped_by = Some(limit);
                 self.dense.push(Bundle::new(cell, &options));
                 continue;
             }
@@ -164,11 +166,10 @@ pub(crate) fn seek(case: &Case, bundles: &[Bundle]) -> Option<Bundle> {
         {
             return Some(found);
         }
-        if bundle.cell.motion(reach) <= 0.5 * case.length_tolerance
-            || num_examined >= MOST_SOUGHT
-            || case.stopped()
-        {
-            return Some(bundle.settled(case));
+        let fine = (bundle.cell.motion(reach) <= 0.5 * case.length_tolerance).then_some(Limit::Tolerance);
+        let spent = (num_examined >= MOST_SOUGHT).then_some(Limit::Effort);
+        if let Some(limit) = case.late().or(fine).or(spent) {
+            return Some(bundle.settled(case, limit));
         }
         for half in halves(&bundle.cell, reach) {
             add(&mut open, half, &options);
@@ -265,10 +266,10 @@ impl Bundle {
     }
 
     /// With its middle as the witness, valid up to τ where nothing in the box moves by as much.
-    fn settled(mut self, case: &Case) -> Self {
+    fn settled(mut self, case: &Case, limit: Limit) -> Self {
         let pose = PivotPose { angle: self.cell.mid, y: self.cell.y_mid() };
-        let undecided = !self.valid(case, pose, case.length_tolerance, case.angle_tolerance);
-        self.witness = Some(Witness { pose, marginal: true, undecided });
+        let valid = self.valid(case, pose, case.length_tolerance, case.angle_tolerance);
+        self.witness = Some(Witness { pose, marginal: true, undecided: (!valid).then_some(limit) });
         self
     }
 
@@ -294,7 +295,7 @@ impl Bundle {
                 y: middle + half * glam::dvec2(x, y),
             })
             .find(|pose| self.valid(case, *pose, case.rounding(), case.rounding() / case.scale))
-            .map(|pose| Witness { pose, marginal: false, undecided: false })
+            .map(|pose| Witness { pose, marginal: false, undecided: None })
     }
 
     fn valid(&self, case: &Case, pose: PivotPose, length: f64, angle: f64) -> bool {

@@ -13,10 +13,10 @@ use glam::{DMat3, DVec3};
 use super::model::Model;
 use super::pose::{self, Pose};
 use super::prior::Prior;
-use super::site::{Reading, Site, angle};
+use super::site::{Reading, Site, Sites, angle};
 use crate::contact::{Contact, Evidence};
 use crate::feature::Feature;
-use crate::recognize::{Halt, Settings};
+use crate::recognize::{Halt, Limit, Settings};
 use crate::sweep::Sweep;
 
 /// A pose as the rotation into the model's frame and the model point at the pivot.
@@ -111,6 +111,16 @@ impl Case {
         self.stop.load(Relaxed)
     }
 
+    /// The same, as the limit that says so.
+    pub fn late(&self) -> Option<Limit> {
+        self.stopped().then_some(Limit::Time)
+    }
+
+    /// What tells searches to be given up.
+    pub fn halt(&self) -> &Halt {
+        &self.stop
+    }
+
     /// A length that covers all rounding in this case.
     pub fn outward(&self) -> f64 {
         OUTWARD * self.scale
@@ -134,6 +144,24 @@ impl Case {
     /// The sites of `feature` for the tip of contact `i`.
     pub fn sites(&self, contact: usize, feature: Feature) -> Vec<Site> {
         Site::all(&self.model, feature, self.data[contact].radius)
+    }
+
+    /// The sites of each contact's features. Contacts of one radius that have the same features share them.
+    pub fn sites_of<'b>(&self, pairs: impl Iterator<Item = (usize, &'b [Feature])>) -> Vec<(usize, Sites)> {
+        let mut known: Vec<(usize, &[Feature], Sites)> = Vec::new();
+        let of_contact = |(contact, features): (usize, &'b [Feature])| {
+            let radius = |contact: usize| self.data[contact].radius;
+            let alike = |(other, others, _): &&(usize, &[Feature], _)| {
+                radius(*other) == radius(contact) && *others == features
+            };
+            let sites = match known.iter().find(alike) {
+                Some((_, _, sites)) => Shared::clone(sites),
+                None => features.iter().flat_map(|feature| self.sites(contact, *feature)).collect(),
+            };
+            known.push((contact, features, Shared::clone(&sites)));
+            (contact, sites)
+        };
+        pairs.map(of_contact).collect()
     }
 
     /// By how much contact `i` misses the nearest of the sites at `pose`: a length beyond its bound. Infinite where the

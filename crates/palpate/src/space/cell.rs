@@ -11,7 +11,7 @@ use super::case::{Case, PivotPose};
 use super::linear::{Cut, WIDTH, left_jacobian};
 use super::lp::{Program, Row};
 use super::pose::{Pose, rotation, vector};
-use super::site::{Site, angle};
+use super::site::{Site, Sites, angle, around_all};
 use crate::feature::Feature;
 use crate::sweep::Sweep;
 
@@ -51,7 +51,7 @@ pub(crate) struct Cell {
 pub(crate) struct Conditions<'a> {
     pub case: &'a Case,
     /// A contact and the sites it may lie on.
-    pub sites: Vec<(usize, Vec<Site>)>,
+    pub sites: Vec<(usize, Sites)>,
     /// Added to every bound, a length: nothing where a certificate is sought, τ where everything valid up to τ is enclosed.
     pub slack: f64,
     /// The same for angles.
@@ -61,13 +61,9 @@ pub(crate) struct Conditions<'a> {
 impl<'a> Conditions<'a> {
     /// That contact `i` lies on one of the features, for each pair; `None` if one has none that can be touched.
     pub fn new<'b>(case: &'a Case, pairs: impl Iterator<Item = (usize, &'b [Feature])>) -> Option<Self> {
-        let sites = pairs.map(|(contact, features)| {
-            let sites: Vec<Site> =
-                features.iter().flat_map(|feature| case.sites(contact, *feature)).collect();
-            (!sites.is_empty()).then_some((contact, sites))
-        });
-        let sites: Option<Vec<_>> = sites.collect();
-        Some(Self { case, sites: sites?, slack: 0.0, angle: case.angle_tolerance })
+        let sites = case.sites_of(pairs);
+        let possible = sites.iter().all(|(_, sites)| !sites.is_empty());
+        possible.then_some(Self { case, sites, slack: 0.0, angle: case.angle_tolerance })
     }
 
     /// The same conditions with every bound enlarged by τ.
@@ -104,7 +100,7 @@ impl<'a> Conditions<'a> {
     /// The largest share of its bounds that a reading uses at the pose.
     pub fn used(&self, pose: PivotPose) -> f64 {
         let case = self.case;
-        let share = |(contact, sites): &(usize, Vec<Site>)| {
+        let share = |(contact, sites): &(usize, Sites)| {
             let datum = &case.data[*contact];
             let length = case.excess(*contact, sites, pose, case.angle_tolerance) + datum.bound;
             let turn = datum.reading.sensed.map_or(0.0, |(axis, error)| {
@@ -198,12 +194,12 @@ impl Cell {
                     })
                     && site.distance(place, &caps) <= near
             });
+            // Of many sites a cell keeps few: memory is theirs.
+            if left.capacity() > 4 * left.len() + 64 {
+                left.shrink_to_fit();
+            }
             // The box that what is left leaves of the model points at the pivot.
-            let (low, high) =
-                left.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), number| {
-                    let site = &sites[*number as usize];
-                    (low.min(site.low), high.max(site.high))
-                });
+            let (low, high) = around_all(left.iter().map(|number| &sites[*number as usize]));
             let low = (low - lever - moved).max(self.y - self.y_half);
             let high = (high - lever + moved).min(self.y + self.y_half);
             if left.is_empty() || low.cmpgt(high).any() {
@@ -380,22 +376,6 @@ impl Cell {
         let shift = self.y_half.length();
         let loose = self.looseness() * (offset.length() + shift) + chord(self.radius()) * shift;
         (about, loose)
-    }
-
-    /// Whether two cells of any charts may share a pose, after `motion` of the model moves the first, within the
-    /// tolerances.
-    pub fn meets(&self, other: &Self, motion: Pose, length: f64, turn: f64) -> bool {
-        if motion == Pose::IDENTITY {
-            return (self.y - other.y).abs().cmple(self.y_half + other.y_half + length).all()
-                && self.apart(other, self.rotation()) <= turn;
-        }
-        motion.apply(self.y).distance(other.y) <= self.y_half.length() + other.y_half.length() + length
-            && self.apart(other, motion.rotation * self.rotation()) <= turn
-    }
-
-    /// By what angle the rotations of two cells are apart, if the middle of the first is `turn`.
-    fn apart(&self, other: &Self, turn: DMat3) -> f64 {
-        super::pose::angle(turn * other.rotation().transpose()) - self.radius() - other.radius()
     }
 }
 

@@ -172,7 +172,7 @@ fn problem(random: &mut Random, model: &Model) -> Problem {
 /// The tables allow the features that were touched.
 fn check_tables(case: &Case, problem: &Problem) {
     let tables = case.model.feature_tables(Kinds { faces: true, edges: problem.tip, vertices: problem.tip });
-    let (candidates, all) = (subdivide::candidates(case, tables), tables.features());
+    let (candidates, all) = (subdivide::candidates(case, &tables), tables.features());
     let number = |one: &Feature| all.iter().position(|other| other == one).expect("it can be touched");
     let numbers: Vec<usize> = problem.truths.iter().map(number).collect();
     let of = |contact: usize| sensed(case, &case.data[contact]);
@@ -275,7 +275,7 @@ fn no_cell_loses_a_pose_that_it_holds() {
         let truth = case.pivot_pose(problem.pose);
         assert!(conditions.satisfied(truth, 1e-9 * model.size, 1e-9), "problem {round}");
         let conditions = if random.below(4) == 0 { conditions.relaxed() } else { conditions };
-        let first = first_cells(&conditions);
+        let first: Vec<_> = first_cells(&conditions).collect();
         assert!(first.iter().any(|cell| cell.holds(truth, 1e-12 * model.size, 0.0)), "problem {round}");
         for _ in 0..40 {
             let (cell, v) = cell_about(&mut random, &conditions, truth);

@@ -9,9 +9,10 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
+use super::case::Case;
 use super::cell::{Cell, Conditions};
 use super::pose;
-use super::site::{Site, angle};
+use super::site::{self, Site, Sites, angle};
 use super::solve::all_sites;
 use super::sphere::Cap;
 
@@ -32,6 +33,7 @@ const MOST_BALLS: usize = 4_000;
 
 /// A sensed normal, and caps that hold all normals of the sites that it may be of.
 struct Sensed<'a> {
+    case: &'a Case,
     /// World frame.
     reading: DVec3,
     /// The sensed normal, turned, is this near to one of them, radians.
@@ -41,55 +43,71 @@ struct Sensed<'a> {
     sites: &'a [Site],
 }
 
-/// The cells; not disjoint.
-pub(super) fn first_cells(conditions: &Conditions<'_>) -> Vec<Cell> {
+/// The cells, one by one; not disjoint. Where a search is stopped they may be fewer and wider.
+pub(super) fn first_cells<'a>(conditions: &'a Conditions<'_>) -> impl Iterator<Item = Cell> + 'a {
+    let places = Places::new(conditions);
+    rotations(conditions).into_iter().map(move |(turn, half)| places.cell(turn, half))
+}
+
+/// One cell that holds every pose that satisfies the conditions: made in no time.
+pub(super) fn whole(conditions: &Conditions<'_>) -> Cell {
+    let (turn, radius) = of_prior(conditions).unwrap_or((DMat3::IDENTITY, PI));
+    Places::new(conditions).cell(turn, DVec3::splat(radius))
+}
+
+/// Rotations, each with half the sides of the box in its chart that belongs to it: every pose is in one.
+fn rotations(conditions: &Conditions<'_>) -> Vec<(DMat3, DVec3)> {
     let sensed: Vec<Sensed<'_>> =
         conditions.sites.iter().filter_map(|one| of_contact(conditions, one)).collect();
-    let prior = conditions.case.prior.map(|prior| {
-        let tilt = prior.lying.map_or(0.0, |lying| lying.tilt);
-        // Tilt and turn are each allowed the tolerance.
-        let radius = (prior.rotation + tilt + 2.0 * conditions.angle).min(PI);
-        (prior.world_from_model.rotation.transpose(), radius)
-    });
-    let prior = prior.filter(|(_, radius)| *radius < PI);
+    let prior = of_prior(conditions);
     let balls = best_pair(&sensed).and_then(|[a, b]| balls(a, b));
-    let cell = |(turn, radius): (DMat3, f64)| first_cell(conditions, turn, DVec3::splat(radius));
+    let ball = |(turn, radius): (DMat3, f64)| (turn, DVec3::splat(radius));
     if let Some(balls) = balls {
         let widest = balls.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
         return match prior {
-            Some(prior) if prior.1 <= widest => vec![cell(prior)],
+            Some(prior) if prior.1 <= widest => vec![ball(prior)],
             Some((middle, most)) => {
                 let near = |(turn, radius): &(DMat3, f64)| {
                     pose::angle(*turn * middle.transpose()) <= most + radius + 1e-9
                 };
-                balls.into_iter().filter(near).map(cell).collect()
+                balls.into_iter().filter(near).map(ball).collect()
             }
-            None => balls.into_iter().map(cell).collect(),
+            None => balls.into_iter().map(ball).collect(),
         };
     }
     if let Some(prior) = prior {
-        return vec![cell(prior)];
+        return vec![ball(prior)];
     }
     let surest = sensed.iter().min_by(|a, b| a.width().total_cmp(&b.width()));
     match surest.filter(|one| one.width() < 1.0) {
         Some(one) => {
-            let turns = |cap| spins(conditions, one.reading, cap, one.error);
+            let turns = |cap| spins(one.reading, cap, one.error);
             one.caps(CAPS[0]).into_iter().flat_map(turns).collect()
         }
-        None => vec![first_cell(conditions, DMat3::IDENTITY, DVec3::splat(PI))],
+        None => vec![ball((DMat3::IDENTITY, PI))],
     }
 }
 
+/// The rotations that the prior allows, as a middle and a radius, if it excludes any.
+fn of_prior(conditions: &Conditions<'_>) -> Option<(DMat3, f64)> {
+    let prior = conditions.case.prior?;
+    let tilt = prior.lying.map_or(0.0, |lying| lying.tilt);
+    // Tilt and turn are each allowed the tolerance.
+    let radius = prior.rotation + tilt + 2.0 * conditions.angle;
+    (radius < PI).then_some((prior.world_from_model.rotation.transpose(), radius))
+}
+
 fn of_contact<'a>(
-    conditions: &Conditions<'_>,
-    (contact, sites): &'a (usize, Vec<Site>),
+    conditions: &'a Conditions<'_>,
+    (contact, sites): &'a (usize, Sites),
 ) -> Option<Sensed<'a>> {
     let (reading, error) = conditions.case.data[*contact].reading.sensed?;
     let mean = sites.iter().map(|site| site.mean_normal).sum::<DVec3>().try_normalize();
     let mean = mean.unwrap_or_else(|| sites[0].mean_normal);
     let spread = sites.iter().map(|site| angle(mean, site.mean_normal) + site.spread);
     let whole = Cap::around(mean, spread.fold(0.0, f64::max));
-    Some(Sensed { reading, error: error + conditions.angle + 1e-9, whole, sites })
+    let case = conditions.case;
+    Some(Sensed { case, reading, error: error + conditions.angle + 1e-9, whole, sites })
 }
 
 impl Sensed<'_> {
@@ -104,12 +122,18 @@ impl Sensed<'_> {
             return vec![self.whole];
         }
         let mut of_sites = Vec::new();
+        let cover = Cap::cover(fine);
         for site in self.sites {
+            if self.case.stopped() {
+                return cover;
+            }
             site.cover(fine, &mut of_sites);
         }
-        let cover = Cap::cover(fine);
         let mut caps: Vec<Cap> = Vec::new();
         for cap in &of_sites {
+            if self.case.stopped() {
+                return cover;
+            }
             // Normals of many small facets share caps.
             let near = |kept: &&mut Cap| angle(kept.axis, cap.axis) + cap.angle <= fine;
             match caps.iter_mut().find(near) {
@@ -193,10 +217,10 @@ fn ball(readings: [DVec3; 2], normals: [DVec3; 2], errors: [f64; 2]) -> (DMat3, 
     (turn, radius)
 }
 
-/// Turns about a normal that is known, in cells: each is a tilt `t` by at most the error, after a turn `s` about the
+/// Turns about a normal that is known, in boxes: each is a tilt `t` by at most the error, after a turn `s` about the
 /// normal within the half width. Of the product, the rotation vector is at most `(θ/2)/sin(θ/2)` times `2 sin(t/2)`
 /// across, and `2 sin(s/2)` along the normal, where θ is its length, at most `s + t`.
-fn spins(conditions: &Conditions<'_>, reading: DVec3, cap: Cap, error: f64) -> Vec<Cell> {
+fn spins(reading: DVec3, cap: Cap, error: f64) -> impl Iterator<Item = (DMat3, DVec3)> {
     let (normal, error) = (cap.axis, error + cap.angle);
     let half = PI / f64::from(NUM_SPINS);
     let longest = 0.5 * (half + error);
@@ -206,12 +230,7 @@ fn spins(conditions: &Conditions<'_>, reading: DVec3, cap: Cap, error: f64) -> V
     // The chart is turned so that its first axis is the normal.
     let align = DMat3::from_quat(glam::DQuat::from_rotation_arc(reading, normal));
     let size = around_cylinder(normal, along, across);
-    (0..NUM_SPINS)
-        .map(|k| {
-            let turn = pose::rotation(normal * (f64::from(2 * k) * half)) * align;
-            first_cell(conditions, turn, size)
-        })
-        .collect()
+    (0..NUM_SPINS).map(move |k| (pose::rotation(normal * (f64::from(2 * k) * half)) * align, size))
 }
 
 /// Half the sides of a box around a cylinder: half its length is `along` a unit axis, its radius `across`.
@@ -220,34 +239,46 @@ fn around_cylinder(axis: DVec3, along: f64, across: f64) -> DVec3 {
     axis.abs() * along + (DVec3::ONE - axis * axis).map(|square| square.max(0.0).sqrt()) * across
 }
 
-/// The cell of such rotations, with all model points that may be at the pivot.
-fn first_cell(conditions: &Conditions<'_>, base: DMat3, v_half: DVec3) -> Cell {
-    let case = conditions.case;
-    let radius = v_half.length().min(PI);
-    let around = conditions.sites.iter().map(|(contact, sites)| {
-        let datum = &case.data[*contact];
-        let lever = base * datum.lever;
-        let (low, high) = sites.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), site| {
-            (low.min(site.low), high.max(site.high))
+/// Where the sites of each condition are.
+struct Places<'a, 'b> {
+    conditions: &'a Conditions<'b>,
+    /// The box around those of each.
+    boxes: Vec<(DVec3, DVec3)>,
+}
+
+impl<'a, 'b> Places<'a, 'b> {
+    fn new(conditions: &'a Conditions<'b>) -> Self {
+        let boxes = conditions.sites.iter().map(|(_, sites)| site::around_all(sites.iter()));
+        Self { conditions, boxes: boxes.collect() }
+    }
+
+    /// The cell of such rotations, with all model points that may be at the pivot.
+    fn cell(&self, base: DMat3, v_half: DVec3) -> Cell {
+        let conditions = self.conditions;
+        let case = conditions.case;
+        let radius = v_half.length().min(PI);
+        let around = conditions.sites.iter().zip(&self.boxes).map(|((contact, _), (low, high))| {
+            let datum = &case.data[*contact];
+            let lever = base * datum.lever;
+            let near = datum.bound
+                + conditions.slack
+                + 2.0 * (0.5 * radius).sin() * datum.lever.length()
+                + case.outward();
+            (*low - lever - near, *high - lever + near)
         });
-        let near = datum.bound
-            + conditions.slack
-            + 2.0 * (0.5 * radius).sin() * datum.lever.length()
-            + case.outward();
-        (low - lever - near, high - lever + near)
-    });
-    let (low, high) =
-        around.fold((DVec3::NEG_INFINITY, DVec3::INFINITY), |(low, high), (l, h)| (low.max(l), high.min(h)));
-    // No overlap: a cell of no size, which its own conditions refute.
-    let high = high.max(low);
-    Cell {
-        base,
-        v: DVec3::ZERO,
-        v_half,
-        y: 0.5 * (low + high),
-        y_half: 0.5 * (high - low) + case.outward(),
-        left: all_sites(conditions),
-        cuts: Vec::new(),
+        let (low, high) = around
+            .fold((DVec3::NEG_INFINITY, DVec3::INFINITY), |(low, high), (l, h)| (low.max(l), high.min(h)));
+        // No overlap: a cell of no size, which its own conditions refute.
+        let high = high.max(low);
+        Cell {
+            base,
+            v: DVec3::ZERO,
+            v_half,
+            y: 0.5 * (low + high),
+            y_half: 0.5 * (high - low) + case.outward(),
+            left: all_sites(conditions),
+            cuts: Vec::new(),
+        }
     }
 }
 

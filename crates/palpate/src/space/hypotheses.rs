@@ -8,15 +8,14 @@ use rayon::prelude::*;
 
 use super::case::{Case, Datum, PivotPose};
 use super::cell::{Cell, Conditions};
-use super::model::{Model, Symmetry};
-use super::pose::Pose;
+use super::model::Model;
+use super::pose::{self, Pose};
 use super::pose_set::{Piece, PoseSet};
 use super::sensed::Sensed;
 use super::solve::{self, Witness};
 use super::subdivide::{self, MOST_CELLS};
 use super::tables::{FeatureTables, Kinds};
 use crate::contact::{Evidence, GRAZING};
-use crate::dimension::Poses;
 use crate::feature::Feature;
 use crate::groups::Groups;
 use crate::recognize::{Explanations, Halt, Settings};
@@ -39,30 +38,31 @@ pub(crate) fn explain(
     stop: &Halt,
 ) -> Explanations<DVec3> {
     let case = Shared::new(Case::new(model, evidence, settings, stop));
-    let mut counters = Counters::default();
-    let nothing = Explanations { hypotheses: Vec::new(), counters, num_boxes: 0, complete: true };
     if !case.data.iter().all(consistent) {
-        return nothing;
+        return Explanations::nothing();
     }
     let kinds = Kinds {
         faces: settings.faces,
         edges: settings.edges(evidence),
         vertices: settings.vertices(evidence),
     };
-    let tables = model.feature_tables(kinds);
+    let tables = model.feature_tables_until(kinds, stop);
     if tables.features().is_empty() {
-        return nothing;
+        return Explanations::nothing();
     }
-    let (pieces, num_boxes) = if let Some(assignments) = interpretation_tree(&case, tables, &mut counters) {
+    let candidates = subdivide::candidates(&case, &tables);
+    let mut counters = Counters::default();
+    let feasible = interpretation_tree(&case, &tables, &candidates, &mut counters);
+    let (pieces, num_boxes) = if let Some(assignments) = feasible {
         (valid(&case, assignments), 0)
     } else {
-        let division = subdivide::subdivide(&case, tables);
+        let division = subdivide::subdivide(&case, &tables, &candidates);
         (division.pieces, division.examined)
     };
     let hypotheses = pose_sets(&case, pieces);
     // What is undecided beside a pose that is known is no more than a loose enclosure of that hypothesis (theory, T20).
-    let complete = hypotheses.iter().all(Poses::proved) && !case.stopped();
-    Explanations { hypotheses, counters, num_boxes, complete }
+    let undecided = hypotheses.iter().filter_map(PoseSet::undecided).min();
+    Explanations { hypotheses, counters, num_boxes, stopped_by: case.late().or(undecided) }
 }
 
 /// Whether a contact's normal and approach leave a normal.
@@ -80,13 +80,13 @@ fn consistent(datum: &Datum) -> bool {
 fn interpretation_tree(
     case: &Case,
     tables: &FeatureTables,
+    of_each: &[Vec<usize>],
     counters: &mut Counters,
 ) -> Option<Vec<Vec<Feature>>> {
     let sensed: Vec<Sensed> = case.data.iter().map(|datum| sensed(case, datum)).collect();
     let order = order(&sensed);
     let in_order: Vec<Sensed> = order.iter().map(|&contact| sensed[contact]).collect();
-    let all = subdivide::candidates(case, tables);
-    let candidates = order.iter().map(|&contact| all[contact].clone()).collect();
+    let candidates = order.iter().map(|&contact| of_each[contact].clone()).collect();
     let contacts = tables.contact_pairs(&in_order, candidates);
     let mut feasible = Vec::new();
     let mut keep = |assignment: &[usize]| {
@@ -102,7 +102,7 @@ fn interpretation_tree(
         }
         ControlFlow::Continue(())
     };
-    let outcome = tree::search(tables, &contacts, MOST_NODES, counters, &mut keep);
+    let outcome = tree::search(tables, &contacts, MOST_NODES, case.halt(), counters, &mut keep);
     feasible.sort_unstable();
     outcome.is_continue().then_some(feasible)
 }
@@ -164,10 +164,9 @@ pub(super) fn canonical(case: &Case, assignment: &[Feature]) -> bool {
 fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
     let unseen = PivotPose { rotation: DMat3::IDENTITY, y: DVec3::ZERO };
     let decide = |piece: &mut Piece, most: u64| {
-        piece.witness = if case.stopped() {
-            piece.witness.or(Some(Witness::guess(unseen)))
-        } else {
-            solve::witness(&piece.conditions(case), u32::try_from(most).unwrap_or(u32::MAX))
+        piece.witness = match case.late() {
+            Some(limit) => piece.witness.or(Some(Witness::guess(unseen, limit))),
+            None => solve::witness(&piece.conditions(case), u32::try_from(most).unwrap_or(u32::MAX)),
         };
     };
     let begin = |assignment: Vec<Feature>| {
@@ -194,38 +193,7 @@ fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
 
 /// Pieces of each hypothesis, in the order of their first piece.
 fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
-    // In a search that was stopped what is undecided stays apart.
-    let joins = |piece: &Piece| piece.is_decided() || !case.stopped();
-    let around = |piece: &Piece| if joins(piece) { solve::boxes(case, piece) } else { Vec::new() };
-    let boxes: Vec<Vec<Cell>> = pieces.par_iter().map(around).collect();
-    let mut groups = Groups::new(pieces.len());
-    let extents: Vec<Spread> = boxes.iter().map(|cells| Spread::of(case, cells, Pose::IDENTITY)).collect();
-    // Where a pose of one explains the other: that costs little.
-    for exact in [false, true] {
-        for (k, one) in pieces.iter().enumerate() {
-            if (exact && case.stopped()) || !joins(one) {
-                continue;
-            }
-            for symmetry in &case.model.symmetries {
-                let mut image = None;
-                let extent = Spread::of(case, &boxes[k], symmetry.motion);
-                for (j, other) in pieces[..k].iter().enumerate() {
-                    if !joins(other)
-                        || !extent.meets(&extents[j])
-                        || groups.root(j) == groups.root(k)
-                        || !near(case, &boxes[k], &boxes[j], symmetry)
-                    {
-                        continue;
-                    }
-                    let image = image.get_or_insert_with(|| one.moved(case, symmetry));
-                    if image.meets(case, other, exact) {
-                        groups.unite(j, k);
-                    }
-                }
-            }
-        }
-    }
-    let groups = groups.collect(pieces.into_iter()).into_iter();
+    let groups = joined(case, &pieces).collect(pieces.into_iter()).into_iter();
     let (proved, rest): (Vec<_>, Vec<_>) = groups.partition(|pieces| pieces.iter().any(Piece::is_decided));
     // What is asked of a set later is not stopped by what stopped this search.
     let case = Shared::new(case.unstopped());
@@ -233,7 +201,7 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
     let without_guesses = |mut pieces: Vec<Piece>| {
         // A pose that a search had at its limit is no witness beside others.
         for piece in &mut pieces {
-            piece.witness = piece.witness.filter(|one| !one.undecided);
+            piece.witness = piece.witness.filter(Witness::is_decided);
         }
         set(pieces)
     };
@@ -244,33 +212,114 @@ fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
     sets
 }
 
-/// Model points at the pivot, in a box: most pairs of pieces are apart by these alone.
-struct Spread {
+/// Which pieces have a pose in common, up to a symmetry of the model. Where the search is stopped, what is undecided stays
+/// apart; if there was no time to see which of the others touch, they are one group.
+fn joined(case: &Case, pieces: &[Piece]) -> Groups {
+    let joins = |piece: &Piece| piece.is_decided() || !case.stopped();
+    let around: Vec<Around> = pieces.par_iter().map(|piece| Around::new(case, piece, joins(piece))).collect();
+    let mut groups = Groups::new(pieces.len());
+    // Where a pose of one explains the other: that costs little.
+    for exact in [false, true] {
+        // The first piece of each group.
+        let mut firsts: Vec<usize> = Vec::new();
+        for (k, one) in pieces.iter().enumerate() {
+            firsts.push(k);
+            for symmetry in &case.model.symmetries {
+                firsts.retain(|first| groups.root(*first) == *first);
+                if firsts.len() == 1 {
+                    break;
+                }
+                let mut image = None;
+                let moved = around[k].moved(case, symmetry.motion);
+                for (j, other) in pieces[..k].iter().enumerate() {
+                    if case.stopped() {
+                        if !exact {
+                            unite_decided(pieces, &mut groups);
+                        }
+                        return groups;
+                    }
+                    if !moved.near(case, &around[j]) || groups.root(j) == groups.root(k) {
+                        continue;
+                    }
+                    let image = image.get_or_insert_with(|| one.moved(case, symmetry));
+                    if image.meets(case, other, exact) {
+                        groups.unite(j, k);
+                    }
+                }
+            }
+        }
+    }
+    groups
+}
+
+fn unite_decided(pieces: &[Piece], groups: &mut Groups) {
+    let decided: Vec<usize> = (0..pieces.len()).filter(|k| pieces[*k].is_decided()).collect();
+    decided.windows(2).for_each(|pair| groups.unite(pair[0], pair[1]));
+}
+
+/// Where the poses of a piece are: in cells around them.
+struct Around {
+    cells: Vec<Place>,
+    /// Model points at the pivot, in a box: most pairs of pieces are apart by these alone.
     low: DVec3,
     high: DVec3,
+    /// The motion of the model after which it is there.
+    motion: Pose,
 }
 
-impl Spread {
-    /// Of cells after a motion of the model, all they may share within the tolerance included.
-    fn of(case: &Case, cells: &[Cell], motion: Pose) -> Self {
-        let nothing = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
-        cells.iter().fold(nothing, |all, cell| {
+/// A cell: the rotation at its middle, how far others are from it, radians, and model points at the pivot.
+struct Place {
+    turn: DMat3,
+    radius: f64,
+    y: DVec3,
+    y_half: DVec3,
+}
+
+impl Around {
+    /// Nothing, unless it `joins` others.
+    fn new(case: &Case, piece: &Piece, joins: bool) -> Self {
+        let cells = if joins { solve::boxes(case, piece) } else { Vec::new() };
+        let place = |cell: &Cell| Place {
+            turn: cell.rotation(),
+            radius: cell.radius(),
+            y: cell.y,
+            y_half: cell.y_half,
+        };
+        Self::of(case, cells.iter().map(place).collect(), Pose::IDENTITY)
+    }
+
+    fn of(case: &Case, cells: Vec<Place>, motion: Pose) -> Self {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for cell in &cells {
+            // All that cells may share within the tolerance included.
             let half = DVec3::splat(cell.y_half.length() + case.length_tolerance + case.outward());
-            let middle = motion.apply(cell.y);
-            Self { low: all.low.min(middle - half), high: all.high.max(middle + half) }
-        })
+            (low, high) = (low.min(cell.y - half), high.max(cell.y + half));
+        }
+        Self { cells, low, high, motion }
     }
 
-    fn meets(&self, other: &Self) -> bool {
-        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    fn moved(&self, case: &Case, motion: Pose) -> Self {
+        let place =
+            |cell: &Place| Place { turn: motion.rotation * cell.turn, y: motion.apply(cell.y), ..*cell };
+        Self::of(case, self.cells.iter().map(place).collect(), motion)
     }
-}
 
-/// Whether cells may have a pose in common, after a symmetry of the model.
-fn near(case: &Case, one: &[Cell], other: &[Cell], symmetry: &Symmetry) -> bool {
-    one.iter().any(|a| {
-        other.iter().any(|b| a.meets(b, symmetry.motion, case.length_tolerance, case.angle_tolerance))
-    })
+    /// Whether it may have a pose in common with another, which is not moved.
+    fn near(&self, case: &Case, other: &Self) -> bool {
+        let boxes = self.low.cmple(other.high).all() && other.low.cmple(self.high).all();
+        boxes && self.cells.iter().any(|a| other.cells.iter().any(|b| self.meet(case, a, b)))
+    }
+
+    fn meet(&self, case: &Case, a: &Place, b: &Place) -> bool {
+        let length = case.length_tolerance;
+        let touch = if self.motion == Pose::IDENTITY {
+            (a.y - b.y).abs().cmple(a.y_half + b.y_half + length).all()
+        } else {
+            // Boxes turned against each other: the balls around them.
+            a.y.distance(b.y) <= a.y_half.length() + b.y_half.length() + length
+        };
+        touch && pose::within(a.turn * b.turn.transpose(), a.radius + b.radius + case.angle_tolerance)
+    }
 }
 
 /// Cells examined for a pose that satisfies two assignments; those that are not told apart by then are joined.

@@ -6,17 +6,19 @@ use std::sync::{Arc as Shared, OnceLock};
 
 use glam::{DMat3, DVec3};
 
-use super::case::{Case, PivotPose};
+use super::case::{Case, Datum, PivotPose};
 use super::cell::{Cell, Conditions, Linearized};
 use super::extent::{Along, Extent};
+use super::first_cells;
 use super::model::{Model, Symmetry};
 use super::pose::{self, Pose};
-use super::site::Site;
+use super::site::{self, Sites};
 use super::solve::{self, Witness};
 use super::thesis::ThesisPose;
 use crate::dimension::Poses;
 use crate::feature::Feature;
 use crate::hypothesis::{Count, choices};
+use crate::recognize::Limit;
 
 /// Assignments are counted by deciding so many choices of features at most.
 const MOST_ATTEMPTS: usize = 200;
@@ -43,7 +45,7 @@ const MOST_CELLS: usize = 256;
 const MOST_PLACED: usize = 16;
 const LOOSE: f64 = 1e-3;
 
-/// Above so many cells that were left undivided, extents are those of a ball.
+/// Above so many cells that were left undivided, they are not divided for a closer look.
 const MOST_MEASURED: usize = 1000;
 
 /// Steps between two samples.
@@ -55,7 +57,7 @@ pub(crate) struct Piece {
     /// For each contact, in increasing order. One each: an interpretation.
     pub features: Vec<Vec<Feature>>,
     /// The sites of each contact's features.
-    pub sites: Vec<(usize, Vec<Site>)>,
+    pub sites: Vec<(usize, Sites)>,
     pub witness: Option<Witness>,
     /// If there are any, the piece is what lies in them.
     pub bounds: Vec<Cell>,
@@ -68,10 +70,8 @@ impl Piece {
         witness: Option<Witness>,
         bounds: Vec<Cell>,
     ) -> Self {
-        let sites = features.iter().enumerate().map(|(contact, features)| {
-            (contact, features.iter().flat_map(|feature| case.sites(contact, *feature)).collect())
-        });
-        Self { sites: sites.collect(), features, witness, bounds }
+        let sites = case.sites_of(features.iter().map(Vec::as_slice).enumerate());
+        Self { features, sites, witness, bounds }
     }
 
     /// Whether each contact lies on one feature.
@@ -81,7 +81,7 @@ impl Piece {
 
     /// Whether a pose of it is known.
     pub(super) fn is_decided(&self) -> bool {
-        self.witness.is_some_and(|witness| !witness.undecided)
+        self.witness.is_some_and(|witness| witness.is_decided())
     }
 
     /// The piece where a symmetry of the model moves it: the same placed parts.
@@ -115,6 +115,15 @@ impl Piece {
     }
 }
 
+impl Touched {
+    /// The tip's centre is no farther from a model point.
+    fn farthest(&self, point_model: DVec3) -> f64 {
+        let to_corner = (point_model - self.low).abs().max((self.high - point_model).abs()).length();
+        let across = point_model.distance(0.5 * (self.low + self.high)) + self.radius;
+        to_corner.min(across) + self.most
+    }
+}
+
 /// All poses of an interpretation or of a hypothesis in space (DESIGN §1), `world_from_model`.
 ///
 /// Lengths in the model's unit, angles in radians.
@@ -128,6 +137,17 @@ pub struct PoseSet {
     cells: Shared<OnceLock<Vec<Vec<Cell>>>>,
     fine_cells: Shared<OnceLock<Vec<Vec<Cell>>>>,
     rotation_bound: Shared<OnceLock<f64>>,
+    touched: Shared<OnceLock<Vec<Touched>>>,
+}
+
+/// Where a tip's centre may be in the model's frame: no farther than `most` from what is both in a box and in a ball about
+/// the middle of it.
+#[derive(Debug)]
+struct Touched {
+    low: DVec3,
+    high: DVec3,
+    radius: f64,
+    most: f64,
 }
 
 impl PoseSet {
@@ -142,6 +162,7 @@ impl PoseSet {
             cells: Shared::default(),
             fine_cells: Shared::default(),
             rotation_bound: Shared::default(),
+            touched: Shared::default(),
         }
     }
 
@@ -176,9 +197,15 @@ impl PoseSet {
     pub fn witness(&self) -> Pose {
         let surest = self
             .witnesses()
-            .min_by_key(|one| (one.undecided, one.marginal))
+            .min_by_key(|one| (!one.is_decided(), one.marginal))
             .expect("a pose set has a witness");
         self.case.pose(surest.pose)
+    }
+
+    /// The limit that the search met before a pose was known, if none is.
+    pub(crate) fn undecided(&self) -> Option<Limit> {
+        let limit = self.witnesses().filter_map(|witness| witness.undecided).min();
+        limit.filter(|_| !self.proved())
     }
 
     /// Whether every witness needs the tolerance τ.
@@ -193,6 +220,9 @@ impl PoseSet {
     pub fn largest_slack(&self) -> Pose {
         *self.best.get_or_init(|| {
             let (mut best, mut least) = (self.witness(), f64::INFINITY);
+            if self.is_untouched() {
+                return best;
+            }
             for piece in self.pieces.iter() {
                 let Some(witness) = piece.witness else { continue };
                 let conditions = piece.conditions(&self.case);
@@ -264,11 +294,19 @@ impl PoseSet {
     /// Cells that hold every pose, up to τ, for each piece: made when first asked for.
     fn cells(&self) -> &[Vec<Cell>] {
         self.cells.get_or_init(|| {
-            if self.is_sprawling() {
+            if self.is_coarse() {
                 let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
                 let of_piece = |piece: &Piece| {
-                    let left = solve::all_sites(&piece.conditions(&self.case));
-                    piece.bounds.iter().map(|cell| cell.widened(length, angle, left.clone())).collect()
+                    if !piece.bounds.is_empty() {
+                        let around = piece.bounds.iter();
+                        return around.map(|cell| cell.widened(length, angle, Vec::new())).collect();
+                    }
+                    let conditions = piece.conditions(&self.case).relaxed();
+                    if self.is_untouched() {
+                        vec![first_cells::whole(&conditions)]
+                    } else {
+                        solve::cells(&conditions, None, &[], 1)
+                    }
                 };
                 return self.pieces.iter().map(of_piece).collect();
             }
@@ -281,9 +319,14 @@ impl PoseSet {
         })
     }
 
-    /// Whether it is in so many cells that its extents are those of all of them.
-    fn is_sprawling(&self) -> bool {
-        self.pieces.iter().map(|piece| piece.bounds.len()).sum::<usize>() > MOST_MEASURED
+    /// Whether there was no time to look for a pose of it.
+    fn is_untouched(&self) -> bool {
+        self.undecided() == Some(Limit::Time)
+    }
+
+    /// Whether its extents are those of its cells as the search left them.
+    fn is_coarse(&self) -> bool {
+        !self.proved() || self.pieces.iter().map(|piece| piece.bounds.len()).sum::<usize>() > MOST_MEASURED
     }
 
     /// The cells, divided where their conditions say too little of how far the set reaches: made when first asked for.
@@ -356,12 +399,13 @@ impl PoseSet {
     /// No two poses of the set differ by more, radians, at most π.
     #[must_use]
     pub fn rotation_bound(&self) -> f64 {
-        if self.is_sprawling() {
-            return self.case.most_turn();
-        }
         *self.rotation_bound.get_or_init(|| {
-            let cells = || self.fine_cells().iter().flatten();
-            let bound = if let Some(start) = one_chart(self.fine_cells()) {
+            let coarse = self.is_coarse();
+            let all = if coarse { self.cells() } else { self.fine_cells() };
+            let cells = || all.iter().flatten();
+            let bound = if coarse && cells().nth(MOST_MEASURED).is_some() {
+                PI
+            } else if let Some(start) = one_chart(all).filter(|_| !coarse) {
                 let mut extent = self.extent_of(self.fine_cells(), 0);
                 extent.diameter(|axis, cell| turned(cell, axis, start))
             } else {
@@ -376,16 +420,32 @@ impl PoseSet {
     /// No two poses of the set move the model point further apart.
     #[must_use]
     pub fn excursion(&self, point_model: DVec3) -> f64 {
-        if self.is_sprawling() {
+        let about_contacts = self.touched().iter().map(|touched| touched.farthest(point_model));
+        let most = 2.0 * about_contacts.fold(f64::INFINITY, f64::min);
+        let bound = if self.is_coarse() {
             // In a ball about the pivot.
             let reach = |cell: &Cell| point_model.distance(cell.y) + cell.y_half.length();
-            let radius = self.cells().iter().flatten().map(reach).fold(0.0, f64::max);
-            return 2.0 * radius + 4.0 * self.case.outward();
-        }
-        let cells = self.fine_cells();
-        let Some(base) = cells.iter().flatten().next().map(Cell::rotation) else { return 0.0 };
-        let bound = self.extent_of(cells, 0).diameter(|axis, cell| placed(cell, axis, base, point_model));
-        bound + 4.0 * self.case.outward()
+            2.0 * self.cells().iter().flatten().map(reach).fold(0.0, f64::max)
+        } else {
+            let cells = self.fine_cells();
+            let Some(base) = cells.iter().flatten().next().map(Cell::rotation) else { return 0.0 };
+            self.extent_of(cells, 0).diameter(|axis, cell| placed(cell, axis, base, point_model))
+        };
+        bound.min(most) + 4.0 * self.case.outward()
+    }
+
+    /// For each contact, where its tip's centre is: what lies so far from it stays so near to the contact.
+    fn touched(&self) -> &[Touched] {
+        self.touched.get_or_init(|| {
+            let of_contact = |(contact, datum): (usize, &Datum)| {
+                let sites = || self.pieces.iter().flat_map(|piece| piece.sites[contact].1.iter());
+                let (low, high) = site::around_all(sites());
+                let middle = 0.5 * (low + high);
+                let radius = sites().map(|site| site.farthest_from(middle)).fold(0.0, f64::max);
+                Touched { low, high, radius, most: datum.bound + 2.0 * self.case.length_tolerance }
+            };
+            self.case.data.iter().enumerate().map(of_contact).collect()
+        })
     }
 
     /// The thesis's own pose and bounds of its first assignment; `None` where they are not defined: contacts on edges or
@@ -404,7 +464,7 @@ impl PoseSet {
         let piece = known.unwrap_or_else(|| {
             let features = assignment.iter().map(|feature| vec![*feature]).collect();
             let mut piece = Piece::new(&self.case, features, None, Vec::new());
-            let guess = || self.witnesses().next().map(|witness| Witness::guess(witness.pose));
+            let guess = || self.witnesses().next().map(|witness| Witness::guess(witness.pose, Limit::Effort));
             piece.witness = self.decide(&piece).or_else(guess);
             piece
         });
@@ -420,20 +480,28 @@ impl PoseSet {
         };
         let within = |one: &Piece| {
             let found = solve::witness_within(&conditions, &one.bounds, &mut { MOST_FOR_ATTEMPT });
-            found.filter(|witness| !witness.undecided)
+            found.filter(Witness::is_decided)
         };
         let in_a_piece = || self.pieces.iter().filter(holds).find_map(within);
+        let known = |length: f64, angle: f64| {
+            let holds = |one: &Witness| piece.satisfied(&self.case, one.pose, length, angle);
+            self.witnesses().filter(Witness::is_decided).find(holds)
+        };
         let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
-        let known = self.witnesses().find(|witness| piece.satisfied(&self.case, witness.pose, length, angle));
-        known
-            .map(|witness| Witness { marginal: true, ..witness })
+        let rounding = self.case.rounding();
+        let surely = known(rounding, rounding / self.case.scale);
+        surely
+            .map(|witness| Witness { marginal: false, ..witness })
             .or_else(in_a_piece)
+            .or_else(|| known(length, angle).map(|witness| Witness { marginal: true, ..witness }))
             .or_else(|| solve::witness(&conditions, solve::MOST_EXAMINED))
     }
 
-    /// Its assignments one by one, each once, found as they are asked for; one of each that the model's symmetries repeat.
+    /// Its assignments one by one, each once, found as they are asked for; one of each that the model's symmetries repeat. None
+    /// if it is not proved.
     fn assigned(&self) -> impl Iterator<Item = Vec<Feature>> + Send + use<> {
-        self.attempts().filter_map(|attempt| match attempt {
+        let attempts = self.proved().then(|| self.attempts());
+        attempts.into_iter().flatten().filter_map(|attempt| match attempt {
             Attempt::Valid(assignment) => Some(assignment),
             Attempt::Invalid | Attempt::Undecided => None,
         })
@@ -468,7 +536,7 @@ impl PoseSet {
                 };
                 match found {
                     None => return Attempt::Invalid,
-                    Some(witness) if witness.undecided => return Attempt::Undecided,
+                    Some(witness) if !witness.is_decided() => return Attempt::Undecided,
                     Some(_) => {}
                 }
             }
@@ -484,7 +552,7 @@ impl Poses<DVec3> for PoseSet {
     }
 
     fn proved(&self) -> bool {
-        self.witnesses().any(|witness| !witness.undecided)
+        self.witnesses().any(|witness| witness.is_decided())
     }
 
     fn witness(&self) -> Pose {
@@ -500,6 +568,9 @@ impl Poses<DVec3> for PoseSet {
     }
 
     fn assignment_count(&self) -> Count {
+        if !self.proved() {
+            return Count { at_least: 0, exact: false };
+        }
         let single = self.pieces.iter().all(Piece::is_single);
         let most = if single { usize::MAX } else { MOST_ATTEMPTS };
         let (mut at_least, mut num_attempts, mut decided) = (0, 0, true);
@@ -509,7 +580,7 @@ impl Poses<DVec3> for PoseSet {
             decided &= !matches!(attempt, Attempt::Undecided);
         }
         // A set that is proved has a pose, and that an assignment.
-        Count { at_least: at_least.max(u64::from(self.proved())), exact: decided && num_attempts < most }
+        Count { at_least: at_least.max(1), exact: decided && num_attempts < most }
     }
 
     fn assignments(&self) -> Box<dyn Iterator<Item = Vec<Feature>> + Send> {

@@ -4,6 +4,7 @@
 //! the cylinder around an edge; a part of the ball around a vertex (MATH 2.1, 2.3.4).
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
+use std::sync::Arc as Shared;
 
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3, dvec2};
@@ -40,6 +41,9 @@ enum Shape {
     /// A vertex with its cone of normals, as the halves of the sphere that make it up.
     Vertex { point: DVec3, cone: Vec<Cap>, corners: Vec<DVec3> },
 }
+
+/// The sites of some features, shared by the contacts that have the same.
+pub(crate) type Sites = Shared<[Site]>;
 
 /// A normal counts as allowed if it misses by no more, radians.
 const ROUNDING: f64 = 1e-11;
@@ -211,6 +215,18 @@ impl Site {
         }
     }
 
+    /// None of its places is farther from a point.
+    pub fn farthest_from(&self, point: DVec3) -> f64 {
+        let farthest = |corners: &[DVec3]| corners.iter().map(|at| at.distance(point)).fold(0.0, f64::max);
+        match &self.shape {
+            Shape::Piece { corners, .. } => farthest(corners),
+            Shape::Edge { start, along, length, .. } => {
+                farthest(&[*start, *start + *length * *along]) + self.radius
+            }
+            Shape::Vertex { point: corner, .. } => farthest(&[*corner]) + self.radius,
+        }
+    }
+
     /// Whether it has more than one normal.
     pub fn is_round(&self) -> bool {
         !matches!(self.shape, Shape::Piece { .. })
@@ -358,6 +374,13 @@ pub(super) fn around(first: DVec3, second: DVec3) -> [DVec3; 8] {
     std::array::from_fn(|k| {
         let (sine, cosine) = (k as f64 * FRAC_PI_4).sin_cos();
         cosine * first + sine * second
+    })
+}
+
+/// The lowest and the highest corner of a box around all of them.
+pub(super) fn around_all<'a>(sites: impl Iterator<Item = &'a Site>) -> (DVec3, DVec3) {
+    sites.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), site| {
+        (low.min(site.low), high.max(site.high))
     })
 }
 

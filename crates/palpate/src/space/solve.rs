@@ -10,12 +10,13 @@ use glam::{DMat3, DVec3};
 
 use super::case::{Case, PivotPose};
 use super::cell::{Cell, Conditions};
-use super::first_cells::first_cells;
+use super::first_cells::{first_cells, whole};
 use super::linear::WIDTH;
 use super::lp::Row;
 use super::pose_set::Piece;
-use super::site::Site;
+use super::site::Sites;
 use crate::nearest::Nearest;
+use crate::recognize::Limit;
 use crate::witness;
 
 /// A pose that satisfies the conditions.
@@ -49,7 +50,7 @@ pub(crate) fn witness_within(
     budget: &mut u32,
 ) -> Option<Witness> {
     let first = cells.iter().map(|cell| Cell { left: all_sites(conditions), ..cell.clone() });
-    search(conditions, first.collect(), Some(cells), budget)
+    search(conditions, first, Some(cells), budget)
 }
 
 /// Whether there may be a pose, within the cells if they are given: only a certificate that is soon found says no.
@@ -65,7 +66,7 @@ pub(crate) fn may_hold(conditions: &Conditions<'_>, cells: Option<&[Cell]>, most
 /// Best first: a certificate needs all cells in any order, a witness is found early. A witness is in one of `bounds`.
 fn search(
     conditions: &Conditions<'_>,
-    cells: Vec<Cell>,
+    cells: impl Iterator<Item = Cell>,
     bounds: Option<&[Cell]>,
     budget: &mut u32,
 ) -> Option<Witness> {
@@ -81,6 +82,9 @@ fn search(
         }
     };
     for cell in cells {
+        if let Some(limit) = case.late() {
+            return Some(Witness::guess(cell.middle(), limit));
+        }
         add(&mut open, cell);
     }
     let mut tried = Tried { conditions, bounds, fallback: None };
@@ -88,25 +92,26 @@ fn search(
         let Some(Nearest { value: mut cell, .. }) = open.pop() else { break };
         let (loose, turn_only) = looseness(conditions, &cell, reach);
         let fine = loose <= 0.25 * case.length_tolerance;
-        let mut left = Witness::guess(cell.middle());
+        let mut left = cell.middle();
         let mut rows = None;
         if cell.is_narrow() {
             match probe(&mut tried, &mut cell, if fine { 50 * NUM_CUTS } else { NUM_CUTS }) {
                 Probe::Found(witness) => return Some(witness),
                 Probe::Empty => continue,
                 Probe::Left(pose, left_rows) => {
-                    left.pose = pose;
+                    left = pose;
                     rows = Some(left_rows);
                 }
             }
         }
-        let enough = *budget == 0 || case.stopped();
+        let enough = case.late().or((*budget == 0).then_some(Limit::Effort));
         *budget = budget.saturating_sub(1);
-        if tried.fallback.is_none() && (fine || enough) {
+        let limit = enough.or(fine.then_some(Limit::Tolerance));
+        if let (None, Some(limit)) = (tried.fallback, limit) {
             // Neither a witness nor a certificate: kept, so that nothing true is lost.
-            tried.fallback = Some(left);
+            tried.fallback = Some(Witness::guess(left, limit));
         }
-        if enough || (tried.fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
+        if enough.is_some() || (tried.fallback.is_some() && num_examined > ENOUGH_MARGINAL) {
             break;
         }
         if !fine {
@@ -144,11 +149,11 @@ impl Tried<'_> {
             return None;
         }
         if self.conditions.satisfied(pose, case.rounding(), case.rounding() / case.scale) {
-            return Some(Witness { pose, marginal: false, undecided: false });
+            return Some(Witness { pose, marginal: false, undecided: None });
         }
-        let wanted = self.fallback.is_none_or(|known| known.undecided);
+        let wanted = self.fallback.is_none_or(|known| !known.is_decided());
         if wanted && self.conditions.satisfied(pose, length, turn) {
-            self.fallback = Some(Witness { pose, marginal: true, undecided: false });
+            self.fallback = Some(Witness { pose, marginal: true, undecided: None });
         }
         None
     }
@@ -185,7 +190,7 @@ fn hollow(conditions: &Conditions<'_>, cell: &Cell) -> f64 {
     if !cell.is_narrow() || !case.sweeps.is_empty() || case.prior.is_some() {
         return f64::INFINITY;
     }
-    let of_condition = |((contact, sites), left): (&(usize, Vec<Site>), &Vec<u32>)| {
+    let of_condition = |((contact, sites), left): (&(usize, Sites), &Vec<u32>)| {
         let known = case.data[*contact].reading.sensed.map_or(PI, |(_, error)| error + cell.radius());
         match left.as_slice() {
             [only] => sites[*only as usize].hollow(known),
@@ -241,7 +246,14 @@ pub(super) fn boxes(case: &Case, piece: &Piece) -> Vec<Cell> {
         return piece.bounds.clone();
     }
     let conditions = piece.conditions(case);
-    first_cells(&conditions).into_iter().filter_map(|cell| contracted(&conditions, cell)).collect()
+    let mut left = Vec::new();
+    for cell in first_cells(&conditions) {
+        if case.stopped() {
+            return vec![whole(&conditions)];
+        }
+        left.extend(contracted(&conditions, cell));
+    }
+    left
 }
 
 /// Cells that hold every pose that satisfies the conditions, in the chart of `base` where that can be, within `bounds` if
@@ -253,12 +265,9 @@ pub(crate) fn cells(
     most: usize,
 ) -> Vec<Cell> {
     let reach = conditions.reach();
-    let first = if bounds.is_empty() {
-        first_cells(conditions)
-    } else {
-        let within = |cell: &Cell| cell.widened(conditions.slack, conditions.angle, all_sites(conditions));
-        bounds.iter().map(within).collect()
-    };
+    let within = |cell: &Cell| cell.widened(conditions.slack, conditions.angle, all_sites(conditions));
+    let anywhere = bounds.is_empty().then(|| first_cells(conditions));
+    let first = anywhere.into_iter().flatten().chain(bounds.iter().map(within));
     let rebased = |cell: Cell| match base.filter(|base| cell.base != *base) {
         Some(base) => cell.rebased(base).unwrap_or(cell),
         None => cell,
@@ -268,7 +277,7 @@ pub(crate) fn cells(
         // In a chart of its own a wide cell is contracted before it fits into the common one.
         if base.is_none_or(|base| cell.base == base) { Some(cell) } else { shrunk(conditions, rebased(cell)) }
     };
-    let mut open: Vec<Cell> = first.into_iter().filter_map(contracted).collect();
+    let mut open: Vec<Cell> = first.filter_map(contracted).collect();
     let bound = conditions.sites.iter().map(|(contact, _)| conditions.case.data[*contact].bound);
     let least = bound.fold(f64::INFINITY, f64::min);
     loop {

@@ -5,21 +5,23 @@
 //! contact is left with features that hang together, or the cell is small against the sensor's bounds.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use glam::DMat3;
 use rayon::prelude::*;
 
 use super::case::Case;
 use super::cell::{Cell, Conditions};
-use super::first_cells::first_cells;
+use super::first_cells::{first_cells, whole};
 use super::hypotheses::{canonical, sensed};
 use super::pose;
 use super::pose_set::Piece;
-use super::site::Site;
+use super::site::Sites;
 use super::solve::{self, Witness};
 use super::tables::FeatureTables;
 use crate::feature::Feature;
 use crate::groups::Groups;
+use crate::recognize::Limit;
 use crate::tree::FeaturePairs;
 
 /// A cell is small when nothing in it moves by more than this share of the least bound.
@@ -66,84 +68,104 @@ pub(crate) fn candidates(case: &Case, tables: &FeatureTables) -> Vec<Vec<usize>>
     let placed = prior.world_from_model;
     let possible = |contact: usize, number: usize| {
         let datum = &case.data[contact];
-        case.sites(contact, features[number]).iter().any(|site| {
-            let turn = 2.0 * (0.5 * radius).sin() * (site.middle.length() + site.reach);
-            let near = turn + shift + datum.bound + case.length_tolerance;
-            let place = placed.inverse().apply(case.pivot + datum.lever);
-            let caps =
-                datum.reading.caps(radius + case.angle_tolerance, |axis| placed.rotation.transpose() * axis);
-            site.distance(place, &caps) <= near
-        })
+        // Where there is no time to see, it may be.
+        case.stopped()
+            || case.sites(contact, features[number]).iter().any(|site| {
+                let turn = 2.0 * (0.5 * radius).sin() * (site.middle.length() + site.reach);
+                let near = turn + shift + datum.bound + case.length_tolerance;
+                let place = placed.inverse().apply(case.pivot + datum.lever);
+                let caps = datum
+                    .reading
+                    .caps(radius + case.angle_tolerance, |axis| placed.rotation.transpose() * axis);
+                site.distance(place, &caps) <= near
+            })
     };
     (0..case.data.len())
         .map(|contact| all.iter().copied().filter(|number| possible(contact, *number)).collect())
         .collect()
 }
 
-/// Divides all poses.
-pub(crate) fn subdivide(case: &Case, tables: &FeatureTables) -> Subdivision {
-    let candidates = candidates(case, tables);
-    let features: Vec<Vec<Feature>> = candidates
-        .iter()
-        .map(|numbers| numbers.iter().map(|number| tables.feature(*number)).collect())
-        .collect();
+/// The features of each contact among which a choice of two leaves these.
+type Choice = Vec<Vec<Feature>>;
+
+/// Divides all poses in which each contact lies on a candidate.
+pub(crate) fn subdivide(case: &Case, tables: &FeatureTables, candidates: &[Vec<usize>]) -> Subdivision {
+    let of_contact = |numbers: &Vec<usize>| numbers.iter().map(|number| tables.feature(*number)).collect();
+    let features: Choice = candidates.iter().map(of_contact).collect();
     if features.iter().any(Vec::is_empty) {
         return Subdivision::default();
     }
     let touching = Touching::new(case);
-    let parts: Vec<Subdivision> = match best_pair(case) {
-        Some((a, b)) => {
-            let others = (0..case.data.len()).filter(|contact| *contact != a && *contact != b);
-            let order: Vec<usize> = [a, b].into_iter().chain(others).collect();
-            let readings: Vec<_> = order.iter().map(|&contact| sensed(case, &case.data[contact])).collect();
-            let in_order = order.iter().map(|&contact| candidates[contact].clone()).collect();
-            let contacts = tables.contact_pairs(&readings, in_order);
-            let agree = |later: usize, earlier: usize, second: usize, first: usize| {
-                contacts.pairs[later][earlier].meets(&tables.pair(first, second))
-            };
-            let pairs: Vec<(usize, usize)> = contacts.candidates[0]
-                .iter()
-                .flat_map(|&first| contacts.candidates[1].iter().map(move |&second| (first, second)))
-                .filter(|&(first, second)| {
-                    let chosen = [first, second].map(|number| tables.feature(number));
-                    agree(1, 0, second, first) && canonical(case, &chosen)
-                })
-                .take(MOST_CHOICES + 1)
-                .collect();
-            let chosen = |(first, second): (usize, usize)| {
-                let mut features = vec![Vec::new(); order.len()];
-                features[a] = vec![tables.feature(first)];
-                features[b] = vec![tables.feature(second)];
-                for (later, &contact) in order.iter().enumerate().skip(2) {
-                    let left = contacts.candidates[later]
-                        .iter()
-                        .filter(|&&one| agree(later, 0, one, first) && agree(later, 1, one, second));
-                    features[contact] = left.map(|&one| tables.feature(one)).collect();
-                }
-                features.iter().all(|features| !features.is_empty()).then_some(features)
-            };
-            if pairs.len() > MOST_CHOICES {
-                divide_all(case, &touching, &[features])
-            } else {
-                let choices: Vec<Vec<Vec<Feature>>> = pairs.into_par_iter().filter_map(chosen).collect();
-                divide_all(case, &touching, &choices)
-            }
-        }
-        None => divide_all(case, &touching, &[features]),
-    };
-    let mut all = Subdivision::default();
-    for part in parts {
-        all.pieces.extend(part.pieces);
-        all.examined += part.examined;
-    }
-    all
+    let choices = best_pair(case).and_then(|pair| choices(case, tables, candidates, pair));
+    divide_all(case, &touching, choices.as_deref().unwrap_or(std::slice::from_ref(&features)), &features)
 }
 
-/// Divides each of the choices, within few cells first; those that need more share what is left, in rounds.
-fn divide_all(case: &Case, touching: &Touching, choices: &[Vec<Vec<Feature>>]) -> Vec<Subdivision> {
+/// What each choice of features of two contacts leaves for the others. `None`: there are too many choices, or no time.
+fn choices(
+    case: &Case,
+    tables: &FeatureTables,
+    candidates: &[Vec<usize>],
+    (a, b): (usize, usize),
+) -> Option<Vec<Choice>> {
+    let others = (0..case.data.len()).filter(|contact| *contact != a && *contact != b);
+    let order: Vec<usize> = [a, b].into_iter().chain(others).collect();
+    let readings: Vec<_> = order.iter().map(|&contact| sensed(case, &case.data[contact])).collect();
+    let in_order = order.iter().map(|&contact| candidates[contact].clone()).collect();
+    let contacts = tables.contact_pairs(&readings, in_order);
+    let agree = |later: usize, earlier: usize, second: usize, first: usize| {
+        contacts.pairs[later][earlier].meets(&tables.pair(first, second))
+    };
+    // What a later contact may lie on, given what the first does, in increasing order.
+    let beside = |later: usize, first: usize| {
+        let candidates = &contacts.candidates[later];
+        let known = |feature: &usize| candidates.binary_search(feature).is_ok();
+        let mut near = match tables.near_angle(first, contacts.pairs[later][0].angle) {
+            Some(near) => near.filter(known).collect(),
+            None => candidates.clone(),
+        };
+        near.retain(|&feature| agree(later, 0, feature, first));
+        near.sort_unstable();
+        near
+    };
+    let mut pairs = Vec::new();
+    for &first in &contacts.candidates[0] {
+        let chosen = |second: usize| [first, second].map(|number| tables.feature(number));
+        let seconds = beside(1, first).into_iter().filter(|second| canonical(case, &chosen(*second)));
+        pairs.extend(seconds.map(|second| (first, second)));
+        if case.stopped() || pairs.len() > MOST_CHOICES {
+            return None;
+        }
+    }
+    let left = |&(first, second): &(usize, usize)| {
+        let mut features = vec![Vec::new(); order.len()];
+        features[a] = vec![tables.feature(first)];
+        features[b] = vec![tables.feature(second)];
+        for (later, &contact) in order.iter().enumerate().skip(2) {
+            if case.stopped() {
+                return None;
+            }
+            let both = beside(later, first).into_iter().filter(|&one| agree(later, 1, one, second));
+            features[contact] = both.map(|one| tables.feature(one)).collect();
+        }
+        features.iter().all(|features| !features.is_empty()).then_some(features)
+    };
+    let choices = pairs.par_iter().filter_map(left).collect();
+    (!case.stopped()).then_some(choices)
+}
+
+/// Divides each of the choices, within few cells first; those that need more share what is left, in rounds. They are choices
+/// among `all`.
+fn divide_all(case: &Case, touching: &Touching, choices: &[Choice], all: &Choice) -> Subdivision {
     let most = case.effort.unwrap_or(MOST_CELLS);
     let share = most / choices.len().max(1) as u64;
-    let begin = |choice: &Vec<Vec<Feature>>| Division::new(case, touching, choice, share);
+    let all_begun = AtomicBool::new(true);
+    let begin = |choice: &Choice| {
+        if case.stopped() {
+            all_begun.store(false, Relaxed);
+            return None;
+        }
+        Division::new(case, touching, choice, share)
+    };
     let mut divisions: Vec<Division<'_>> = choices.par_iter().filter_map(begin).collect();
     let mut given = LEAST_CELLS;
     loop {
@@ -159,7 +181,22 @@ fn divide_all(case: &Case, touching: &Touching, choices: &[Vec<Vec<Feature>>]) -
     let unfinished = divisions.iter().filter(|division| !division.open.is_empty()).count() as u64;
     let budget = (most / unfinished.max(1)).min(u64::from(MOST_IN_SMALL)) as u32;
     divisions.par_iter_mut().for_each(|division| division.finish(budget));
-    divisions.into_iter().map(|division| division.left).collect()
+    let mut left = Subdivision::default();
+    for division in divisions {
+        left.pieces.extend(division.left.pieces);
+        left.examined += division.left.examined;
+    }
+    left.pieces.extend((!all_begun.into_inner()).then(|| untouched(case, all)));
+    left
+}
+
+/// All that features leave, undecided: there was no time to look at it.
+fn untouched(case: &Case, features: &Choice) -> Piece {
+    let mut piece = Piece::new(case, features.clone(), None, Vec::new());
+    let cell = whole(&piece.conditions(case));
+    piece.witness = Some(Witness::guess(cell.middle(), Limit::Time));
+    piece.bounds.push(cell);
+    piece
 }
 
 /// The two contacts whose normals leave the least of the rotations.
@@ -195,7 +232,7 @@ impl<'a> Division<'a> {
         let conditions = Conditions::new(case, pairs)?;
         let left = Subdivision::default();
         let mut division = Self { case, touching, conditions, open: Vec::new(), left };
-        let first = narrowed(&division.conditions, first_cells(&division.conditions));
+        let first = narrowed(&division.conditions);
         if first.len() > MOST_TOGETHER {
             division.open = first;
             return Some(division);
@@ -255,12 +292,15 @@ impl<'a> Division<'a> {
 
     /// Whether it is settled what cells hold that hang together: nothing, or a piece whose features hang together.
     fn settle(&mut self, cells: &[Cell], budget: u32) -> bool {
+        if self.case.stopped() {
+            return false;
+        }
         let features = of_cells(&self.conditions, cells);
         if !features.iter().all(|features| self.touching.hang_together(features)) {
             return false;
         }
         let piece = self.piece(features, cells, budget);
-        let decided = piece.witness.is_none_or(|witness| !witness.undecided);
+        let decided = piece.witness.is_none_or(|witness| witness.is_decided());
         if piece.witness.is_some() && decided {
             self.left.pieces.push(piece);
         }
@@ -279,9 +319,8 @@ impl<'a> Division<'a> {
 
     fn piece(&mut self, features: Vec<Vec<Feature>>, cells: &[Cell], budget: u32) -> Piece {
         let mut piece = Piece::new(self.case, features, None, cells.to_vec());
-        if self.case.stopped() {
-            let pose = cells[0].middle();
-            piece.witness = Some(Witness::guess(pose));
+        if let Some(limit) = self.case.late() {
+            piece.witness = Some(Witness::guess(cells[0].middle(), limit));
             return piece;
         }
         let mut left = budget;
@@ -293,11 +332,17 @@ impl<'a> Division<'a> {
 
 /// Wide cells divided until linear conditions are of use in each, as long as they are few: what normals and boxes exclude
 /// costs little.
-fn narrowed(conditions: &Conditions<'_>, first: Vec<Cell>) -> Vec<Cell> {
+fn narrowed(conditions: &Conditions<'_>) -> Vec<Cell> {
     let reach = conditions.reach();
     let possible = |mut cell: Cell| cell.restrict(conditions).then_some(cell);
     let mut narrow = Vec::new();
-    let mut wide: VecDeque<Cell> = first.into_iter().filter_map(possible).collect();
+    let mut wide = VecDeque::new();
+    for cell in first_cells(conditions) {
+        if conditions.case.stopped() {
+            return vec![whole(conditions)];
+        }
+        wide.extend(possible(cell));
+    }
     while let Some(cell) = wide.pop_front() {
         if conditions.case.stopped() || cell.is_narrow() || narrow.len() + wide.len() >= MOST_NARROWED {
             narrow.push(cell);
@@ -328,7 +373,7 @@ fn together(cells: Vec<Cell>) -> Vec<Vec<Cell>> {
 
 /// The features whose sites are left in some cell, in increasing order.
 fn of_cells(conditions: &Conditions<'_>, cells: &[Cell]) -> Vec<Vec<Feature>> {
-    let of_condition = |(condition, (_, sites)): (usize, &(usize, Vec<Site>))| {
+    let of_condition = |(condition, (_, sites)): (usize, &(usize, Sites))| {
         let left = cells.iter().flat_map(|cell| &cell.left[condition]);
         let mut features: Vec<Feature> = left.map(|number| sites[*number as usize].feature).collect();
         features.sort_unstable();

@@ -5,6 +5,7 @@
 //! most. Above, they are computed when asked for, the distance from bounding balls and boxes, so that memory is linear
 //! in the features and their corners: less than a kilobyte for each.
 
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
@@ -18,6 +19,7 @@ use super::sensed::{Sensed, sensed_range};
 use super::spherical::Cone;
 use crate::feature::Feature;
 use crate::part::Surface;
+use crate::recognize::Halt;
 use crate::tree::{ContactPairs, FeaturePairs, PairRange, Range};
 
 /// Above this many features the ranges of a pair are computed when asked for.
@@ -86,19 +88,38 @@ impl PartialEq for TableCache {
 
 impl Model {
     /// The tables of the kinds of features asked for.
-    pub(crate) fn feature_tables(&self, kinds: Kinds) -> &FeatureTables {
+    pub(crate) fn feature_tables(&self, kinds: Kinds) -> Arc<FeatureTables> {
+        self.feature_tables_until(kinds, &Halt::default())
+    }
+
+    /// The same; soon after `stop` is set those that compute the ranges of pairs when asked for, which are not kept.
+    pub(crate) fn feature_tables_until(&self, kinds: Kinds, stop: &Halt) -> Arc<FeatureTables> {
         let slot = &self.tables.0[usize::from(kinds.number())];
-        slot.get_or_init(|| Arc::new(FeatureTables::new(self, kinds)))
+        if let Some(known) = slot.get() {
+            return Arc::clone(known);
+        }
+        let (made, whole) = FeatureTables::until(self, kinds, stop);
+        let made = Arc::new(made);
+        if whole { Arc::clone(slot.get_or_init(|| made)) } else { made }
     }
 }
 
 impl FeatureTables {
+    #[cfg(test)]
     pub fn new(model: &Model, kinds: Kinds) -> Self {
+        Self::until(model, kinds, &Halt::default()).0
+    }
+
+    /// And whether they are whole: they are without pairs if `stop` is set meanwhile.
+    fn until(model: &Model, kinds: Kinds, stop: &Halt) -> (Self, bool) {
         let mut tables = Self::unfilled(model, kinds);
-        if tables.elements.len() <= MOST_STORED {
-            tables.pairs = tables.filled();
+        if tables.elements.len() > MOST_STORED {
+            return (tables, true);
         }
-        tables
+        let pairs = tables.filled(stop);
+        let whole = pairs.is_some();
+        tables.pairs = pairs.unwrap_or_default();
+        (tables, whole)
     }
 
     /// All but the pairs.
@@ -115,11 +136,15 @@ impl FeatureTables {
         Self { elements, pairs: Vec::new(), quantizer: Quantizer::new(longest), index, reach }
     }
 
-    /// Every pair `first ≤ second`, row by row.
-    fn filled(&self) -> Vec<Packed> {
+    /// Every pair `first ≤ second`, row by row; nothing if `stop` is set meanwhile.
+    fn filled(&self, stop: &Halt) -> Option<Vec<Packed>> {
         let count = self.elements.len();
-        let row = |first| (first..count).map(move |second| self.quantizer.pack(&self.exact(first, second)));
-        (0..count).into_par_iter().flat_map_iter(row).collect()
+        let row = |first: usize| {
+            let seconds = if stop.load(Relaxed) { count..count } else { first..count };
+            seconds.map(move |second| self.quantizer.pack(&self.exact(first, second)))
+        };
+        let pairs: Vec<Packed> = (0..count).into_par_iter().flat_map_iter(row).collect();
+        (pairs.len() == count * (count + 1) / 2).then_some(pairs)
     }
 
     /// All of them, in increasing order.

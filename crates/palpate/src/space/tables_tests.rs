@@ -10,6 +10,7 @@ use super::quantized::Quantizer;
 use super::sensed::Sensed;
 use super::tables::{FeatureTables, Kinds};
 use super::test_solids::{Random, ball, frame, hulls, l_prism, normals, random_solid, regular_prism, touch};
+use crate::recognize::Halt;
 use crate::tree::{Counters, FeaturePairs, PairRange, Range, search};
 
 const ALL: Kinds = Kinds { faces: true, edges: true, vertices: true };
@@ -326,16 +327,14 @@ fn a_true_assignment_is_never_pruned() {
             let candidates = chosen.iter().map(|number| vec![*number]).collect();
             let contacts = tables.contact_pairs(&sensed, candidates);
             let mut counters = Counters::default();
-            let found = search(&tables, &contacts, u64::MAX, &mut counters, &mut |_| ControlFlow::Break(()));
+            let found = search(&tables, &contacts, u64::MAX, &Halt::default(), &mut counters, &mut |_| {
+                ControlFlow::Break(())
+            });
             assert!(found.is_break(), "stored: {counters:?} {chosen:?}");
             let found =
-                search(
-                    &Bounded(&tables),
-                    &contacts,
-                    u64::MAX,
-                    &mut counters,
-                    &mut |_| ControlFlow::Break(()),
-                );
+                search(&Bounded(&tables), &contacts, u64::MAX, &Halt::default(), &mut counters, &mut |_| {
+                    ControlFlow::Break(())
+                });
             assert!(found.is_break(), "bounded: {counters:?} {chosen:?}");
         }
     }
@@ -376,7 +375,7 @@ fn the_search_finds_the_truth_among_all_and_prunes_the_most() {
         let all: Vec<usize> = (0..features.len()).collect();
         let contacts = tables.contact_pairs(&sensed, vec![all; 3]);
         let (mut counters, mut found) = (Counters::default(), false);
-        let done = search(&tables, &contacts, u64::MAX, &mut counters, &mut |assignment| {
+        let done = search(&tables, &contacts, u64::MAX, &Halt::default(), &mut counters, &mut |assignment| {
             found |= assignment == chosen;
             ControlFlow::Continue(())
         });
@@ -393,6 +392,25 @@ fn unknown_normals_restrict_nothing_but_distance() {
     assert!(holds(range.distance, 8.0) && holds(range.distance, 12.0) && !holds(range.distance, 12.1));
     assert_eq!(range.angle, Range { low: 0.0, high: PI });
     assert_eq!(range.direction.low, f64::NEG_INFINITY);
+}
+
+/// Tables whose making is stopped hold what is true all the same, and are not kept for later.
+#[test]
+fn tables_that_are_stopped_are_not_kept() {
+    let model = ball(2, 50.0);
+    let stop = Halt::default();
+    stop.store(true, std::sync::atomic::Ordering::Relaxed);
+    let stopped = model.feature_tables_until(ALL, &stop);
+    assert!(stopped.pairs.is_empty() && !stopped.features().is_empty());
+    let tables = model.feature_tables(ALL);
+    assert!(!tables.pairs.is_empty());
+    let count = tables.features().len();
+    for (i, j) in (0..count).map(|i| (i, (7 * i + 3) % count)) {
+        let (cheap, exact) = (stopped.pair(i, j), tables.exact(i, j));
+        let cheap = PairRange { distance: cheap.distance.widened(1e-5), ..cheap };
+        assert!(encloses(&cheap, &exact), "{cheap:?} {exact:?}");
+    }
+    assert!(std::sync::Arc::ptr_eq(&tables, &model.feature_tables_until(ALL, &stop)), "made once");
 }
 
 #[test]
