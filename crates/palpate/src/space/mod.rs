@@ -7,6 +7,7 @@ mod cell;
 #[cfg(test)]
 mod cell_tests;
 mod cones;
+mod crossing;
 mod distance;
 mod edges;
 mod extent;
@@ -19,6 +20,8 @@ mod linear;
 mod lp;
 mod mesh;
 mod model;
+mod motions;
+mod near_misses;
 mod orient;
 mod outlines;
 mod pieces;
@@ -28,6 +31,8 @@ mod prior;
 mod quantized;
 #[cfg(test)]
 mod query_tests;
+#[cfg(test)]
+mod reading_tests;
 mod regions;
 mod roundness;
 mod scale;
@@ -49,12 +54,14 @@ mod tables_tests;
 #[cfg(test)]
 mod test_solids;
 mod thesis;
+mod weld;
 
 pub use bvh::Nearest;
 pub use model::{Edge, Face, Model, Roundness, Symmetry, Vertex};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
 pub use prior::{Lying, Prior};
+pub use solid::{Sewn, sewn};
 pub use thesis::ThesisPose;
 
 pub(crate) use hypotheses::explain;
