@@ -29,12 +29,12 @@ impl Model {
     /// The distance from the surface to `point` (model frame), negative inside. Of a model that is not closed, it is
     /// never negative. To 1e-12 of the scale; that close to the surface, the sign may be either.
     ///
-    /// Inside is where the surface goes around a point: the crossings of a ray are counted, each by its direction. All
-    /// are decided exactly, and a ray that meets an edge or a corner gives way to another.
+    /// Inside is where the surface goes around a point, the right way: the crossings of a ray are counted, each by its
+    /// direction. All are decided exactly, and a ray that meets an edge or a corner gives way to another.
     #[must_use]
     pub fn signed_distance(&self, point: DVec3) -> f64 {
         let distance = self.nearest(point).distance;
-        if self.closed && self.winding(point) != 0 { -distance } else { distance }
+        if self.closed && self.winding(point) > 0 { -distance } else { distance }
     }
 
     /// The least distance between the surface and the segment from `a` to `b` (model frame), 0 if it crosses the
