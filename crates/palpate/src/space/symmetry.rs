@@ -67,6 +67,7 @@ pub(super) fn symmetries(parts: Parts) -> Symmetries {
     let flags = search.alike(base);
     let mut group = vec![search.identity()];
     let mut generators: Vec<Symmetry> = Vec::new();
+    let mut miss = Miss::default();
     for &flag in &flags {
         let name = search.name(flag);
         if group.iter().any(|symmetry| image(symmetry, search.name(base)) == name) {
@@ -75,7 +76,7 @@ pub(super) fn symmetries(parts: Parts) -> Symmetries {
         let Some(generator) = search.symmetry(search.motion(base, flag)) else { continue };
         generators.push(generator);
         match search.closure(&group, &generators, search.name(base)) {
-            Some(larger) => group = larger,
+            Some((larger, worst)) => (group, miss) = (larger, miss.or(worst)),
             None => drop(generators.pop()),
         }
     }
@@ -86,7 +87,6 @@ pub(super) fn symmetries(parts: Parts) -> Symmetries {
         (places.get(&name).copied().unwrap_or(usize::MAX), name)
     });
     let group = if group.len() > MOST { subgroup(&group) } else { group };
-    let miss = group[1..].iter().map(|symmetry| search.miss(symmetry)).fold(Miss::default(), Miss::or);
     Symmetries { group, miss }
 }
 
@@ -178,10 +178,6 @@ impl<'a> Search<'a> {
 
     fn placed(&self, rotation: DMat3) -> Pose {
         Pose { rotation, translation: self.center - rotation * self.center }
-    }
-
-    fn miss(&self, symmetry: &Symmetry) -> Miss {
-        miss(self.parts.faces, self.parts.vertices, &self.is_there, symmetry)
     }
 
     /// The rotation that fits best where vertices go.
@@ -317,55 +313,61 @@ impl<'a> Search<'a> {
         let of_face = permutation(faces.len(), |k| self.face_image(k, motion, &of_vertex))?;
         let of_edge = permutation(edges.len(), |k| self.edge_image(k, &of_vertex, &of_face))?;
         let symmetry = Symmetry { motion, faces: of_face, edges: of_edge, vertices: of_vertex };
-        self.fits(&symmetry, self.tol).then_some(symmetry)
+        self.fits(&symmetry, self.tol).map(|_| symmetry)
     }
 
-    /// Whether a symmetry misses by no more than `length`, and turns no normal by more than planes may be turned.
-    fn fits(&self, symmetry: &Symmetry, length: f64) -> bool {
-        let miss = self.miss(symmetry);
-        miss.length <= length && miss.turn <= TURN_TOL
+    /// By how much a symmetry misses, if that is no more than `length`, and it turns no normal by more than planes may be turned.
+    fn fits(&self, symmetry: &Symmetry, length: f64) -> Option<Miss> {
+        let miss = miss(self.parts.faces, self.parts.vertices, &self.is_there, symmetry);
+        (miss.length <= length && miss.turn <= TURN_TOL).then_some(miss)
     }
 
-    /// The group of a smaller one and the last of the generators; `None` if some of it misses by too much.
-    fn closure(&self, group: &[Symmetry], generators: &[Symmetry], base: Name) -> Option<Vec<Symmetry>> {
+    /// The group of a smaller one and the last of the generators, and by how much what is new in it misses; `None` if that
+    /// is too much.
+    fn closure(
+        &self,
+        group: &[Symmetry],
+        generators: &[Symmetry],
+        base: Name,
+    ) -> Option<(Vec<Symmetry>, Miss)> {
         let mut all = group.to_vec();
         let mut of_name: HashMap<Name, usize> =
             all.iter().enumerate().map(|(k, symmetry)| (image(symmetry, base), k)).collect();
-        let mut next = 0;
+        let (mut next, mut worst) = (0, Miss::default());
         while next < all.len() {
             // Products within the smaller group are in it.
             let first = if next < group.len() { generators.len() - 1 } else { 0 };
             for generator in &generators[first..] {
-                let product = Self::product(generator, &all[next]);
-                match of_name.get(&image(&product, base)) {
-                    Some(&known) if same(&all[known], &product) => {}
+                let name = image(generator, image(&all[next], base));
+                match of_name.get(&name) {
+                    Some(&known) if is_product(&all[known], generator, &all[next]) => {}
                     // Two that do the same with one flag, but not with all: corners are too close to one another.
                     Some(_) => return None,
                     None => {
-                        let rotation = generator.motion.rotation * all[next].motion.rotation;
-                        let motion = self.placed(self.fitted(rotation, &product.vertices));
-                        let product = Symmetry { motion, ..product };
-                        if !self.fits(&product, PRODUCT * self.tol) {
-                            return None;
-                        }
-                        of_name.insert(image(&product, base), all.len());
+                        let product = self.product(generator, &all[next]);
+                        worst = worst.or(self.fits(&product, PRODUCT * self.tol)?);
+                        of_name.insert(name, all.len());
                         all.push(product);
                     }
                 }
             }
             next += 1;
         }
-        Some(all)
+        Some((all, worst))
     }
 
-    /// Where features go by the second and then the first of two symmetries; its motion is not known yet.
-    fn product(first: &Symmetry, second: &Symmetry) -> Symmetry {
-        let through = |first: &[u32], second: &[u32]| second.iter().map(|&k| first[k as usize]).collect();
+    /// What the second and then the first of two symmetries do, by a motion that fits it best.
+    fn product(&self, first: &Symmetry, second: &Symmetry) -> Symmetry {
+        let through = |first: &[u32], second: &[u32]| -> Vec<u32> {
+            second.iter().map(|&k| first[k as usize]).collect()
+        };
+        let vertices = through(&first.vertices, &second.vertices);
+        let rotation = first.motion.rotation * second.motion.rotation;
         Symmetry {
-            motion: Pose::IDENTITY,
+            motion: self.placed(self.fitted(rotation, &vertices)),
             faces: through(&first.faces, &second.faces),
             edges: through(&first.edges, &second.edges),
-            vertices: through(&first.vertices, &second.vertices),
+            vertices,
         }
     }
 
@@ -440,9 +442,13 @@ fn permutation(count: usize, image: impl Fn(u32) -> Option<u32>) -> Option<Vec<u
     of_each.collect()
 }
 
-/// Whether two take all vertices and faces, and so all edges, to the same.
-fn same(a: &Symmetry, b: &Symmetry) -> bool {
-    a.vertices == b.vertices && a.faces == b.faces
+/// Whether a symmetry takes all vertices and faces, and so all edges, where the second and then the first of two others do.
+fn is_product(symmetry: &Symmetry, first: &Symmetry, second: &Symmetry) -> bool {
+    let through = |all: &[u32], first: &[u32], second: &[u32]| {
+        all.iter().zip(second).all(|(&image, &k)| first[k as usize] == image)
+    };
+    through(&symmetry.vertices, &first.vertices, &second.vertices)
+        && through(&symmetry.faces, &first.faces, &second.faces)
 }
 
 /// No more than [`MOST`] of a group that is larger, hence one of turns about an axis and maybe of half turns across it.
