@@ -54,8 +54,12 @@ Raises:
 Triangles that lie in one plane and hang together become one face. Doubled vertices, triangles without area,
 repeated ones or two that face each other, corners on the inside of another triangle's edge, triangles wound
 against their neighbours and surfaces turned inside out are mended, and `mends` says so. A closed surface within
-another one bounds a cavity. Meshes that cross themselves are not noticed: unite such bodies before. What corners
-are off their faces' planes is added to the slacks.
+another one bounds a cavity. What corners are off their faces' planes is added to the slacks.
+
+Corners at which the surface ends are welded if they are no further apart than 5e-7 of the size, or of the distance
+from the origin up to ten sizes: what rounding to single precision may make of one. Corners that all meet are left
+alone. By how much they were moved is in the slacks. Of an open surface no triangles are turned but a few that are
+wound against all others. A closed surface that crosses itself is said to.
 
 Args:
     vertices: Corners, shape `(n, 3)`, model frame.
@@ -67,14 +71,16 @@ Args:
     mends: What was mended before, as a reader of files does; put before the model's own.
 
 Raises:
-    ValueError: Another shape, a vertex or triangle number out of range, no triangle that has an area, a slack that is
-        negative, any number that is not finite."
+    ValueError: Another shape, a vertex or triangle number out of range, no triangle that has an area, edges that lie
+        beside one another but too far apart to be welded, a surface that is turned inside out where it crosses
+        itself, a slack that is negative, any number that is not finite."
     };
     ("Model.facets") => {
         r"A part in space given by loose faces: it need not be closed (2.1).
 
-Corners that coincide form one vertex; a corner on the inside of another face's side divides it. What corners are
-off their faces' planes is added to the slacks.
+Corners that coincide form one vertex; a corner on the inside of another face's side divides it. Where a side is of
+one face only, its corners are welded as by `mesh`. What corners are off their faces' planes, or were moved, is added
+to the slacks.
 
 Args:
     loops: Each face by its corners, shape `(k, 3)`, model frame, counter-clockwise as seen from outside; or by a list
@@ -130,12 +136,15 @@ In the plane start and end, shape `(2, 2)`; in space the outer loop, shape `(k, 
         r"The face of each triangle, shape `(m,)`."
     };
     ("Model.symmetries") => {
-        r"The motions that map it onto itself, the identity first, shape `(s, d + 1, d + 1)`, model frame."
+        r"The motions that map it onto itself, the identity first, shape `(s, d + 1, d + 1)`, model frame.
+
+Up to rounding in the plane; in space up to that of single precision, in which files have their corners."
     };
     ("Model.symmetry_axes") => {
         r"Axes of continuous symmetry: a point and the unit direction of each, shape `(3,)`, model frame.
 
-Any turn about one maps the part onto itself, within its slacks. A ball has three through its centre; most parts and
+Any turn about one maps the part onto itself, within its slacks and the rounding of its corners to single
+precision. A ball has three through its centre; most parts and
 all in the plane have none."
     };
     ("Model.position_slack") => {

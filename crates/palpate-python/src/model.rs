@@ -201,6 +201,25 @@ impl PyModel {
         Options { name, untouchable, position_slack, normal_slack, mends }.model(class.py(), shape)
     }
 
+    /// For readers of files: triangles with their corners welded, what that costs in length and in angle, and what was
+    /// mended.
+    #[staticmethod]
+    #[expect(clippy::type_complexity, reason = "a tuple of Python")]
+    fn _sewn<'py>(
+        py: Python<'py>,
+        vertices: &Any<'py>,
+        triangles: &Any<'py>,
+    ) -> PyResult<(Array2<'py>, Bound<'py, PyArray2<u32>>, (f64, f64), Vec<String>)> {
+        let vertices: Vec<DVec3> = vectors("vertices", vertices)?;
+        let triangles = convert::triangles("triangles", triangles)?;
+        let sewn = py.detach(|| space::sewn(&vertices, &triangles)).map_err(raise)?;
+        let numbers = PyArray1::from_iter(py, sewn.triangles.iter().flatten().copied());
+        let numbers = convert::fixed(numbers.reshape([sewn.triangles.len(), 3])?)?;
+        let slacks = (sewn.position_slack, sewn.normal_slack);
+        let mends = sewn.mends.into_iter().map(|mend| mend.0).collect();
+        Ok((vectors_array(py, &sewn.vertices)?, numbers, slacks, mends))
+    }
+
     #[doc = doc!("Model.facets")]
     #[classmethod]
     #[pyo3(

@@ -27,9 +27,12 @@ from palpate.solids.mesh import (
     is_consistent,
     joined,
     open_edges,
+    part_of,
     pieces_of,
     said,
+    sewn,
     shells_of,
+    split_open,
     volume,
 )
 
@@ -47,11 +50,12 @@ def parts_of(file: str, stem: str, scene: Scene) -> list[SolidMesh]:
         said_notes = "".join(f" ({note})" for note in scene.notes)
         refuse(file, f"no triangle in it{said_notes}", "export the part as a mesh or a solid")
     notes = list(scene.notes)
-    pieces = _pieces(scene.bodies, notes)
+    pieces = _pieces(file, scene.bodies, notes)
     if not pieces:
         refuse(file, "none of its triangles has an area", "export the part again")
     parts: list[tuple[Body, list[str]]] = []
-    for group in _meeting(pieces):
+    lows, highs = (np.array(corners) for corners in zip(*map(box, pieces), strict=True))
+    for group in _meeting(lows, highs):
         parts += _joined_parts(file, [pieces[k] for k in group])
     parts.sort(key=lambda part: tuple(box(part[0])[0]))
     names = [stem] if len(parts) == 1 else [f"{stem}-{k}" for k in range(1, len(parts) + 1)]
@@ -68,19 +72,55 @@ def parts_of(file: str, stem: str, scene: Scene) -> list[SolidMesh]:
     ]
 
 
-def _pieces(bodies: Sequence[Body], notes: list[str]) -> list[Body]:
-    """Connected pieces of bodies.
+def _pieces(file: str, bodies: Sequence[Body], notes: list[str]) -> list[Body]:
+    """Connected pieces of bodies, those that are open sewn together."""
+    pieces: list[Body] = []
+    patches: list[tuple[Body, Numbers]] = []
+    for body in bodies:
+        whole = _outward(cleaned(body, notes), notes)
+        if not open_edges(whole):
+            pieces += pieces_of(whole)
+            continue
+        closed, patch, label = split_open(whole)
+        pieces += closed
+        patches.append((patch, label))
+    for group in _patches_together(patches):
+        names = list(dict.fromkeys(patch.name for patch in group))
+        whole = replace(_one(group), name=names[0] if len(names) == 1 else "")
+        pieces += pieces_of(_outward(sewn(file, cleaned(whole, []), notes), notes))
+    return pieces
 
-    A group of a file may be a patch of a surface, such as all of one colour: open pieces are sewn together.
+
+def _patches_together(patches: Sequence[tuple[Body, Numbers]]) -> list[list[Body]]:
+    """Open surfaces in groups with gaps between them, each with what each body has of it.
+
+    A group of a file may be a patch of a surface, such as all of one colour; and a file may have each
+    triangle with corners of its own. `patches` are the triangles of each body, with a label of the piece to
+    which each belongs.
     """
-    pieces = [piece for body in bodies for piece in pieces_of(_outward(cleaned(body, notes), notes))]
-    patches = [piece for piece in pieces if open_edges(piece)]
-    if len(patches) < 2:
-        return pieces
-    names = list(dict.fromkeys(patch.name for patch in patches))
-    whole = replace(_one(patches), name=names[0] if len(names) == 1 else "")
-    sewn = pieces_of(_outward(whole, notes))
-    return [piece for piece in pieces if not open_edges(piece)] + sewn
+    if not patches:
+        return []
+    lows: list[Array] = []
+    highs: list[Array] = []
+    pieces: list[Numbers] = []
+    for patch, label in patches:
+        marks, piece = np.unique(label, return_inverse=True)
+        corners = patch.vertices[patch.triangles]
+        lows.append(np.full((len(marks), 3), np.inf))
+        highs.append(np.full((len(marks), 3), -np.inf))
+        np.minimum.at(lows[-1], piece, np.min(corners, axis=1))
+        np.maximum.at(highs[-1], piece, np.max(corners, axis=1))
+        pieces.append(piece + sum(map(len, lows[:-1])))
+    groups = _between_gaps(np.concatenate(lows), np.concatenate(highs))
+    group_of = np.empty(sum(map(len, lows)), dtype=np.int64)
+    for number, group in enumerate(groups):
+        group_of[group] = number
+    found: list[list[Body]] = [[] for _ in groups]
+    for (patch, _), piece in zip(patches, pieces, strict=True):
+        of_triangle = group_of[piece]
+        for number in np.unique(of_triangle):
+            found[number].append(part_of(patch, patch.triangles[of_triangle == number]))
+    return found
 
 
 def _outward(body: Body, notes: list[str]) -> Body:
@@ -128,20 +168,47 @@ def _one(group: list[Body]) -> Body:
     return cleaned(joined(group), []) if len(group) > 1 else group[0]
 
 
-def _meeting(pieces: Sequence[Body]) -> list[list[int]]:
-    """Groups of bodies whose boxes meet, each in order."""
-    lows, highs = (np.array(corners) for corners in zip(*map(box, pieces), strict=True))
-    near = _NEAR * float(np.max(np.max(highs, axis=0) - np.min(lows, axis=0)))
+def _between_gaps(lows: Array, highs: Array) -> list[Numbers]:
+    """Groups of boxes that planes across the axes part, each in order.
+
+    They are no less than those that meet, and sooner found.
+    """
+    near = _near(lows, highs)
+    open_groups = [np.arange(len(lows))]
+    groups: list[Numbers] = []
+    while open_groups:
+        group = open_groups.pop()
+        for axis in range(3):
+            order = group[np.argsort(lows[group, axis], kind="stable")]
+            reached = np.maximum.accumulate(highs[order, axis])[:-1]
+            gaps = np.flatnonzero(lows[order[1:], axis] > reached + near) + 1
+            if len(gaps):
+                open_groups += [np.sort(part) for part in np.split(order, gaps)]
+                break
+        else:
+            groups.append(group)
+    return sorted(groups, key=lambda group: int(group[0]))
+
+
+def _near(lows: Array, highs: Array) -> float:
+    return _NEAR * float(np.max(np.max(highs, axis=0) - np.min(lows, axis=0)))
+
+
+def _meeting(lows: Array, highs: Array) -> list[list[int]]:
+    """Groups of boxes that meet, each in order."""
+    near = _near(lows, highs)
     order = np.argsort(lows[:, 0], kind="stable")
-    pairs: list[tuple[int, int]] = []
+    pairs: list[Numbers] = []
     for at, k in enumerate(order):
         after = order[at + 1 :]
         until = np.searchsorted(lows[after, 0], highs[k, 0] + near, side="right")
         some = after[:until]
-        meet = np.all((lows[some] <= highs[k] + near) & (highs[some] >= lows[k] - near), axis=1)
-        pairs += [(int(k), int(j)) for j in some[meet]]
-    label = components(len(pieces), np.array(pairs, dtype=np.int64).reshape(-1, 2))
-    return [[int(k) for k in np.flatnonzero(label == mark)] for mark in np.unique(label)]
+        meet = some[np.all((lows[some] <= highs[k] + near) & (highs[some] >= lows[k] - near), axis=1)]
+        pairs.append(np.stack([np.full(len(meet), k), meet], axis=1))
+    label = components(len(lows), np.concatenate(pairs))
+    by_label = np.argsort(label, kind="stable")
+    ends = np.flatnonzero(np.diff(label[by_label])) + 1
+    return [group.tolist() for group in np.split(by_label, ends)]
 
 
 def _united(file: str, group: list[Body]) -> Body:

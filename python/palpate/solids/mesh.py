@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from palpate._core import Model
 from palpate.contacts.entry import refuse
 
 Array = NDArray[np.float64]
@@ -141,7 +142,7 @@ def pieces_of(body: Body) -> list[Body]:
         return []
     label = components(len(body.vertices), body.triangles)[body.triangles[:, 0]]
     _, first = np.unique(label, return_index=True)
-    return [_part_of(body, body.triangles[label == mark]) for mark in label[np.sort(first)]]
+    return [part_of(body, body.triangles[label == mark]) for mark in label[np.sort(first)]]
 
 
 def shells_of(body: Body) -> list[Body]:
@@ -162,7 +163,7 @@ def shells_of(body: Body) -> list[Body]:
         pairs.append(_wedges(body, edges, order[end - size : end]))
     together = np.concatenate(pairs) % count
     label = components(count, together)
-    return [_part_of(body, body.triangles[label == mark]) for mark in np.unique(label)]
+    return [part_of(body, body.triangles[label == mark]) for mark in np.unique(label)]
 
 
 def _wedges(body: Body, edges: Numbers, around: Numbers) -> Numbers:
@@ -191,7 +192,39 @@ def _wedges(body: Body, edges: Numbers, around: Numbers) -> Numbers:
     return np.array(pairs, dtype=np.int64)
 
 
-def _part_of(body: Body, triangles: Numbers) -> Body:
+def split_open(body: Body) -> tuple[list[Body], Body, Numbers]:
+    """Its closed pieces, the triangles of all others, and for each of these which piece it belongs to."""
+    label = components(len(body.vertices), body.triangles)[body.triangles[:, 0]]
+    edges = np.sort(half_edges(body.triangles), axis=1)
+    _, place, counts = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    is_open = np.zeros(len(body.vertices), dtype=bool)
+    is_open[np.tile(label, 3)[counts[place.reshape(-1)] % 2 == 1]] = True
+    left = is_open[label]
+    closed = part_of(body, body.triangles[~left])
+    return pieces_of(closed), part_of(body, body.triangles[left]), label[left]
+
+
+def sewn(file: str, body: Body, notes: list[str]) -> Body:
+    """The body as the core cleans it: corners welded where it ended, as far as rounding may have parted them.
+
+    Raises:
+        ValueError: If its coordinates leave no digits.
+    """
+    try:
+        vertices, triangles, slacks, mends = Model._sewn(body.vertices, body.triangles)
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from None
+    notes += mends
+    return replace(
+        body,
+        vertices=vertices,
+        triangles=triangles.astype(np.int64),
+        position_slack=body.position_slack + slacks[0],
+        normal_slack=body.normal_slack + slacks[1],
+    )
+
+
+def part_of(body: Body, triangles: Numbers) -> Body:
     """Some of its triangles, with the vertices that they name."""
     used, numbers = np.unique(triangles, return_inverse=True)
     return replace(body, vertices=body.vertices[used], triangles=numbers.reshape(-1, 3))

@@ -76,9 +76,7 @@ impl Case {
     pub fn new(model: &Shared<Model>, evidence: &Evidence<DVec3>, settings: &Settings, stop: &Halt) -> Self {
         let tolerance = settings.tolerance;
         let pivot = middle(&evidence.contacts);
-        // Without a prior one assignment stands for all that the symmetries take it to, up to what they miss.
-        let (miss, turn) = if evidence.prior.is_none() { model.asymmetry } else { (0.0, 0.0) };
-        let slacks = (model.position_slack + miss, model.normal_slack + turn);
+        let slacks = (model.position_slack, model.normal_slack);
         let data: Vec<Datum> =
             evidence.contacts.iter().map(|contact| datum(contact, slacks, pivot)).collect();
         let sweeps = Sweep::all(evidence, model.size, slacks.0, pivot);
@@ -87,7 +85,7 @@ impl Case {
             + reach(&mut model.vertices.iter().map(|vertex| vertex.point))
             + sweeps.iter().map(Sweep::reach).fold(0.0, f64::max)
             + data.iter().map(|datum| datum.lever.length() + datum.bound + datum.radius).fold(0.0, f64::max);
-        Self {
+        let case = Self {
             model: Shared::clone(model),
             data,
             pivot,
@@ -98,12 +96,32 @@ impl Case {
             scale,
             stop: Halt::clone(stop),
             effort: settings.effort,
-        }
+        };
+        // Without a prior one assignment stands for all that the symmetries take it to.
+        case.of_images()
     }
 
-    /// The same case, whose searches go on.
-    pub fn unstopped(&self) -> Self {
-        Self { stop: Halt::default(), ..self.clone() }
+    /// The same case, whose searches go on, and which takes the images of what is valid for valid.
+    pub fn of_answers(&self) -> Self {
+        Self { stop: Halt::default(), ..self.of_images() }
+    }
+
+    /// The case in which the images of poses are valid that are in this one: with its bounds enlarged by what the symmetries
+    /// miss. With a prior each pose stands for itself.
+    fn of_images(&self) -> Self {
+        let mut case = self.clone();
+        if case.prior.is_some() {
+            return case;
+        }
+        let (miss, turn) = case.model.asymmetry;
+        for datum in &mut case.data {
+            // A tip's centre is turned about the point where it rests.
+            datum.bound += miss + 2.0 * datum.radius * (0.5 * turn).sin();
+            let Reading { sensed, facing } = &mut datum.reading;
+            sensed.iter_mut().chain(facing).for_each(|(_, error)| *error += turn);
+        }
+        case.sweeps.iter_mut().for_each(|sweep| sweep.clearance -= miss);
+        case
     }
 
     /// Whether searches are to be given up.

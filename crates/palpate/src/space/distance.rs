@@ -29,12 +29,12 @@ impl Model {
     /// The distance from the surface to `point` (model frame), negative inside. Of a model that is not closed, it is
     /// never negative. To 1e-12 of the scale; that close to the surface, the sign may be either.
     ///
-    /// Inside is where the surface goes around a point: the crossings of a ray are counted, each by its direction. All
-    /// are decided exactly, and a ray that meets an edge or a corner gives way to another.
+    /// Inside is where the surface goes around a point, the right way: the crossings of a ray are counted, each by its
+    /// direction. All are decided exactly, and a ray that meets an edge or a corner gives way to another.
     #[must_use]
     pub fn signed_distance(&self, point: DVec3) -> f64 {
         let distance = self.nearest(point).distance;
-        if self.closed && self.winding(point) != 0 { -distance } else { distance }
+        if self.closed && self.winding(point) > 0 { -distance } else { distance }
     }
 
     /// The least distance between the surface and the segment from `a` to `b` (model frame), 0 if it crosses the
@@ -97,7 +97,7 @@ impl Model {
     }
 
     /// How often the surface goes around a point that is not on it.
-    fn winding(&self, point: DVec3) -> i32 {
+    pub(super) fn winding(&self, point: DVec3) -> i32 {
         let reach = self.bvh().reach(point);
         let rays = DIRECTIONS.iter().map(|&direction| {
             let end = point + 4.0 * reach * DVec3::from(direction);
@@ -109,17 +109,29 @@ impl Model {
     /// How often the way from one point to another leaves the material, less how often it enters; `None` if it meets an
     /// edge or a corner.
     fn crossings(&self, from: DVec3, to: DVec3) -> Option<i32> {
-        let (direction, mut sum, mut exact) = (to - from, 0, true);
-        let bound =
-            |low: DVec3, high: DVec3| if ray_enters(from, direction, low, high) <= 1.0 { 0.0 } else { 1.0 };
-        self.bvh().descend(0.5, bound, |corners, _| {
+        let (mut sum, mut exact) = (0, true);
+        self.along_segment(from, to, |corners, _| {
             match crosses(from, to, corners) {
                 Some(crossing) => sum += crossing,
                 None => exact = false,
             }
-            if exact { 0.5 } else { -1.0 }
+            exact
         });
         exact.then_some(sum)
+    }
+
+    /// Visits the triangles, and the face of each, whose boxes the way from one point to another may meet, until told
+    /// to stop.
+    pub(super) fn along_segment(
+        &self,
+        from: DVec3,
+        to: DVec3,
+        mut visit: impl FnMut(&[DVec3; 3], u32) -> bool,
+    ) {
+        let direction = to - from;
+        let bound =
+            |low: DVec3, high: DVec3| if ray_enters(from, direction, low, high) <= 1.0 { 0.0 } else { 1.0 };
+        self.bvh().descend(0.5, bound, |corners, face| if visit(corners, face) { 0.5 } else { -1.0 });
     }
 
     /// The same by the sum of the triangles' solid angles (van Oosterom and Strackee 1983).

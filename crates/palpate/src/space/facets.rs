@@ -1,14 +1,15 @@
 //! Loose faces given by their loops: checked, and their corners joined.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec2, DVec3};
 
 use super::mesh::report_on;
 use super::outlines::area_vector;
 use super::regions::Plane;
-use super::scale::{Scale, welded};
+use super::scale::Scale;
 use super::solid::{Draft, Solid, of_drafts};
+use super::weld::{apply, joints, report_welded, welded};
 use crate::Error;
 use crate::part::{Mend, Surface};
 use crate::plane::outline;
@@ -34,12 +35,10 @@ pub(super) fn of_loops(
             points.extend(outline);
             numbered.push((first..points.len() as u32).collect());
         }
-        drafts.push(Draft { plane, surface, loops: numbered, given: Vec::new() });
+        drafts.push(Draft { plane, surface, loops: numbered, given: Vec::new(), moved: 0.0 });
     }
-    let joint = welded(&points, scale.merge_tol);
-    for corner in drafts.iter_mut().flat_map(|draft| draft.loops.iter_mut().flatten()) {
-        *corner = joint[*corner as usize];
-    }
+    renumber(&mut drafts, &welded(&points, scale.merge_tol));
+    weld_ends(&mut points, &mut drafts, scale, mends);
     let given = drafts.len();
     let mut known = BTreeSet::new();
     drafts.retain(|draft| {
@@ -77,9 +76,9 @@ fn checked(
         return Err(Error::new(argument, problem, area.length(), "give corners that are not in line"));
     }
     let plane = Plane::new(area, loops.iter().flatten().copied());
-    if plane.deviation > scale.planar_tol {
+    if plane.deviation > scale.single_tol {
         let problem = format!("is not planar: corners are off its plane by {:e}", plane.deviation);
-        let remedy = format!("mend the corners to {:e}, or give the face as triangles", scale.planar_tol);
+        let remedy = format!("mend the corners to {:e}, or give the face as triangles", scale.single_tol);
         return Err(Error::new(argument, problem, plane.deviation, remedy));
     }
     let right = plane.normal.any_orthonormal_vector();
@@ -104,6 +103,34 @@ fn checked(
     Ok((plane, cleaned.into_iter().map(kept).collect()))
 }
 
+fn renumber(drafts: &mut [Draft], of_point: &[u32]) {
+    for corner in drafts.iter_mut().flat_map(|draft| draft.loops.iter_mut().flatten()) {
+        *corner = of_point[*corner as usize];
+    }
+}
+
+/// Welds corners of sides that no other face has which are within a few roundings of one another.
+fn weld_ends(points: &mut [DVec3], drafts: &mut [Draft], scale: Scale, mends: &mut Vec<Mend>) {
+    let mut uses: BTreeMap<[u32; 2], usize> = BTreeMap::new();
+    for [a, b] in drafts.iter().flat_map(|draft| draft.loops.iter().flat_map(|outline| sides(outline))) {
+        *uses.entry([a.min(b), a.max(b)]).or_default() += 1;
+    }
+    let ends: BTreeSet<u32> =
+        uses.into_iter().filter(|(_, count)| count % 2 == 1).flat_map(|(k, _)| k).collect();
+    let ends: Vec<u32> = ends.into_iter().collect();
+    let outlines = drafts.iter().flat_map(|draft| draft.loops.iter().map(Vec::as_slice));
+    let joints = joints(points, &ends, outlines, scale.single_tol);
+    let moved: BTreeMap<u32, f64> = joints.iter().map(|joint| (joint.points[0], joint.moved)).collect();
+    renumber(drafts, &apply(points, &joints));
+    for draft in drafts {
+        let of_corners = draft.loops.iter().flatten().filter_map(|k| moved.get(k).copied());
+        draft.moved = of_corners.fold(0.0, f64::max);
+    }
+    let count = joints.iter().map(|joint| joint.points.len()).sum();
+    let most = moved.values().copied().fold(0.0, f64::max);
+    report_welded(mends, count, joints.len(), most, scale.single_tol);
+}
+
 fn sides(outline: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
     outline.iter().zip(outline.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])
 }
@@ -116,12 +143,15 @@ fn split_sides(points: &[DVec3], drafts: &mut [Draft], scale: Scale) -> f64 {
     corners.sort_unstable();
     corners.dedup();
     corners.sort_by(|&a, &b| points[a as usize].x.total_cmp(&points[b as usize].x));
+    let loops = drafts.iter().flat_map(|draft| &draft.loops);
+    let joined: BTreeSet<[u32; 2]> = loops.flat_map(|outline| sides(outline)).collect();
+    let apart = |a: u32, b: u32| joined.contains(&[a, b]) || joined.contains(&[b, a]);
     let mut worst = 0.0_f64;
     for outline in drafts.iter_mut().flat_map(|draft| &mut draft.loops) {
         let mut split = Vec::with_capacity(outline.len());
         for [a, b] in sides(outline) {
             split.push(a);
-            for (off, k) in scale.points_on(points, [a, b], &corners) {
+            for (off, k) in scale.points_on(points, [a, b], &corners, apart) {
                 if !outline.contains(&k) {
                     worst = worst.max(off);
                     split.push(k);

@@ -195,8 +195,8 @@ fn valid(case: &Case, assignments: Vec<Vec<Feature>>) -> Vec<Piece> {
 fn pose_sets(case: &Shared<Case>, pieces: Vec<Piece>) -> Vec<PoseSet> {
     let groups = joined(case, &pieces).collect(pieces.into_iter()).into_iter();
     let (proved, rest): (Vec<_>, Vec<_>) = groups.partition(|pieces| pieces.iter().any(Piece::is_decided));
-    // What is asked of a set later is not stopped by what stopped this search.
-    let case = Shared::new(case.unstopped());
+    // What is asked of a set later is not stopped by what stopped this search, and pieces may be moved to their images.
+    let case = Shared::new(case.of_answers());
     let set = |pieces: Vec<Piece>| PoseSet::new(Shared::clone(&case), pieces, true);
     let without_guesses = |mut pieces: Vec<Piece>| {
         // A pose that a search had at its limit is no witness beside others.

@@ -1,13 +1,20 @@
 //! Triangles made into a clean mesh, or refused with the reason.
 
+use std::collections::{BTreeSet, HashSet};
+
 use glam::DVec3;
 
-use super::scale::{Scale, welded};
+use super::near_misses;
+use super::scale::Scale;
+use super::weld::{apply, joints, report_welded, welded};
 use crate::Error;
 use crate::part::{Mend, Surface};
 
 /// Passes of splitting, at most: each mends what the one before has uncovered.
 const MOST_PASSES: usize = 16;
+
+/// Passes of welding, at most.
+const MOST_WELDS: usize = 4;
 
 /// Triangles over points that are distinct.
 #[derive(Debug)]
@@ -20,7 +27,9 @@ pub(super) struct Mesh {
     pub(super) surfaces: Vec<Surface>,
     /// Distances at which points are one.
     pub(super) scale: Scale,
-    /// How far what was mended lies from what was given.
+    /// How far each point is from the corners as given that it stands for, if they were welded where the surface ended.
+    pub(super) moved: Vec<f64>,
+    /// How far points are from the edges that were split there.
     pub(super) deviation: f64,
 }
 
@@ -36,9 +45,26 @@ pub(super) struct Use {
 }
 
 impl Mesh {
-    /// Doubled points welded; triangles without area, repeated ones and inner walls dropped; edges split where a corner
-    /// of another triangle lies on them.
+    /// A mesh that is clean, or refused.
     pub(super) fn new(
+        vertices: &[DVec3],
+        triangles: &[[u32; 3]],
+        surfaces: Vec<Surface>,
+        mends: &mut Vec<Mend>,
+    ) -> Result<Self, Error> {
+        let mesh = Self::cleaned(vertices, triangles, surfaces, mends)?;
+        if mesh.triangles.is_empty() {
+            let value = format!("{} triangles", triangles.len());
+            let remedy = "give triangles with area that bound a solid, not a sheet with two sides";
+            return Err(Error::new("triangles", "leave no area once cleaned", value, remedy));
+        }
+        near_misses::refuse(&mesh)?;
+        Ok(mesh)
+    }
+
+    /// Doubled points welded, and where the surface ends those that rounding parts; triangles without area, repeated ones
+    /// and inner walls dropped; edges split where a corner of another triangle lies on them. Nothing may be left.
+    pub(super) fn cleaned(
         vertices: &[DVec3],
         triangles: &[[u32; 3]],
         surfaces: Vec<Surface>,
@@ -58,18 +84,16 @@ impl Mesh {
             triangles: triangles.to_vec(),
             surfaces,
             scale,
+            moved: vec![0.0; vertices.len()],
             deviation: 0.0,
         };
         mesh.weld(mends);
         let flat = mesh.drop_flat();
+        mesh.weld_ends(mends);
+        let flat = flat + mesh.drop_flat();
         report(mends, flat, "triangle(s) without area dropped");
         mesh.drop_repeated(mends);
         mesh.split_edges(mends);
-        if mesh.triangles.is_empty() {
-            let value = format!("{} triangles", triangles.len());
-            let remedy = "give triangles with area that bound a solid, not a sheet with two sides";
-            return Err(Error::new("triangles", "leave no area once cleaned", value, remedy));
-        }
         Ok(mesh)
     }
 
@@ -118,6 +142,42 @@ impl Mesh {
         let merged = (0..of_point.len()).filter(|&k| is_used[k] && of_point[k] as usize != k).count();
         let what = format!("doubled vertices, closer than {:.1e}, merged", self.scale.merge_tol);
         report(mends, merged, &what);
+    }
+
+    /// Welds corners where the surface ends that are within a few roundings of one another; again, as what is welded may be
+    /// nearer to others than its corners were.
+    fn weld_ends(&mut self, mends: &mut Vec<Mend>) {
+        let mut of_point: Vec<u32> = (0..self.points.len() as u32).collect();
+        let mut welded: BTreeSet<u32> = BTreeSet::new();
+        for _ in 0..MOST_WELDS {
+            let mut ends: Vec<u32> = self.open_edges().iter().flat_map(|&half| self.ends(half)).collect();
+            ends.sort_unstable();
+            ends.dedup();
+            let outlines = self.triangles.iter().map(<[u32; 3]>::as_slice);
+            let joints = joints(&self.points, &ends, outlines, self.scale.single_tol);
+            if joints.is_empty() {
+                break;
+            }
+            for joint in &joints {
+                let before = joint.points.iter().map(|&k| self.moved[k as usize]).fold(0.0, f64::max);
+                self.moved[joint.points[0] as usize] = before + joint.moved;
+                welded.extend(&joint.points);
+            }
+            let place_of = apply(&mut self.points, &joints);
+            for corner in self.triangles.iter_mut().flatten().chain(&mut of_point) {
+                *corner = place_of[*corner as usize];
+            }
+        }
+        let places: BTreeSet<u32> = welded.iter().map(|&k| of_point[k as usize]).collect();
+        let most = places.iter().map(|&k| self.moved[k as usize]).fold(0.0, f64::max);
+        report_welded(mends, welded.len(), places.len(), most, self.scale.single_tol);
+    }
+
+    /// A half-edge of each edge at which the surface ends: an odd number of triangles meets there.
+    pub(super) fn open_edges(&self) -> Vec<u32> {
+        let uses = self.uses();
+        let groups = uses.chunk_by(|a, b| a.ends == b.ends).filter(|group| group.len() % 2 == 1);
+        groups.map(|group| group[0].half).collect()
     }
 
     /// Drops triangles lower than points are told apart; how many.
@@ -206,16 +266,15 @@ impl Mesh {
 
     /// Half-edges to split and the points in their order along it; one a triangle.
     fn splits(&mut self) -> Vec<(u32, Vec<u32>)> {
-        let uses = self.uses();
-        let open: Vec<u32> = uses
-            .chunk_by(|a, b| a.ends == b.ends)
-            .filter(|group| group.len() % 2 == 1)
-            .map(|group| group[0].half)
-            .collect();
+        let open = self.open_edges();
         let mut ends: Vec<u32> = open.iter().flat_map(|&half| self.ends(half)).collect();
         ends.sort_unstable();
         ends.dedup();
         ends.sort_by(|&a, &b| self.points[a as usize].x.total_cmp(&self.points[b as usize].x));
+
+        // An edge has two ends, however short it is.
+        let edges: HashSet<[u32; 2]> = open.iter().map(|&half| sorted(self.ends(half))).collect();
+        let apart = |a: u32, b: u32| edges.contains(&sorted([a, b]));
 
         let mut splits = Vec::new();
         let mut is_split = vec![false; self.triangles.len()];
@@ -224,7 +283,7 @@ impl Mesh {
                 continue;
             }
             let apex = self.triangles[half as usize / 3][(half as usize + 2) % 3];
-            let mut on_edge = self.scale.points_on(&self.points, self.ends(half), &ends);
+            let mut on_edge = self.scale.points_on(&self.points, self.ends(half), &ends, apart);
             on_edge.retain(|(_, k)| *k != apex);
             if !on_edge.is_empty() {
                 is_split[half as usize / 3] = true;
@@ -234,6 +293,10 @@ impl Mesh {
         }
         splits
     }
+}
+
+fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
 }
 
 fn check_numbers(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), Error> {

@@ -7,6 +7,7 @@ mod cell;
 #[cfg(test)]
 mod cell_tests;
 mod cones;
+mod crossing;
 mod dimension;
 mod distance;
 mod edges;
@@ -20,6 +21,8 @@ mod linear;
 mod lp;
 mod mesh;
 mod model;
+mod motions;
+mod near_misses;
 mod orient;
 mod outcome;
 #[cfg(test)]
@@ -38,6 +41,8 @@ mod ray_cases;
 #[cfg(test)]
 mod ray_tests;
 mod rays;
+#[cfg(test)]
+mod reading_tests;
 mod regions;
 mod rims;
 mod roundness;
@@ -62,6 +67,7 @@ mod tables_tests;
 #[cfg(test)]
 mod test_solids;
 mod thesis;
+mod weld;
 
 pub use bvh::Nearest;
 pub use model::{Edge, Face, Model, Roundness, Symmetry, Vertex};
@@ -69,6 +75,7 @@ pub use pose::Pose;
 pub use pose_set::PoseSet;
 pub use prior::{Lying, Prior};
 pub(crate) use shadow::Shadow;
+pub use solid::{Sewn, sewn};
 pub use sphere::Cap;
 pub use thesis::ThesisPose;
 

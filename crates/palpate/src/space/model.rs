@@ -3,16 +3,19 @@
 //! A loop of a face runs counter-clockwise as seen from outside, the loops of its holes clockwise: material is on
 //! the left of every directed edge, in the face's plane.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec3;
 
 use super::Pose;
 use super::bvh::BvhCache;
 use super::cones::vertices;
+use super::crossing;
 use super::edges::edges;
 use super::facets;
 use super::roundness::roundness;
 use super::solid::{self, Solid};
-use super::symmetry::{Parts, asymmetry, symmetries};
+use super::symmetry::{Parts, Symmetries, symmetries};
 use super::tables::TableCache;
 use crate::part::{Mend, Surface, check_slacks, checked_name, mark};
 use crate::{Error, Feature};
@@ -111,8 +114,10 @@ pub struct Model {
     pub mends: Vec<Mend>,
     /// The largest distance between two of its vertices.
     pub size: f64,
-    /// By how much its symmetries miss, at most: a corner its image, and a face's normal, radians.
+    /// By how much its symmetries miss, at most: a corner its image, and a normal where it should be, radians.
     pub(super) asymmetry: (f64, f64),
+    /// How well its corners are known, tessellation aside.
+    pub(super) precision: f64,
     /// Its pair tables, made when first needed.
     pub(super) tables: TableCache,
     /// Its triangles by where they are, made when first needed.
@@ -158,8 +163,12 @@ impl Model {
     ///
     /// Whatever can be mended is, and `mends` says so: doubled vertices, triangles without area, repeated ones, two that
     /// face each other, corners on the inside of another triangle's edge, triangles wound against their neighbours,
-    /// surfaces turned inside out. A closed surface within another one bounds a cavity. Meshes that cross themselves are
-    /// not noticed: unite such bodies before.
+    /// surfaces turned inside out. A closed surface within another one bounds a cavity.
+    ///
+    /// Corners at which the surface ends are welded if they are no further apart than single precision may have parted them:
+    /// 5e-7 of the size, or of the distance from the origin up to ten sizes. By how much they were moved is in the slacks.
+    /// Corners that all meet are left alone, as is whatever is 1e-5 of the size apart. Of an open surface it is not known
+    /// what is inside: none of its triangles is turned but a few that are wound against all others.
     ///
     /// Corners may be off their face's plane, and points that are dropped off their edge, by a few roundings of single
     /// precision (5e-7 of the size). What that is beyond 1e-9 of the size is added to `position_slack`, and the angle
@@ -177,8 +186,9 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// Numbers that are not finite, a vertex or triangle number out of range, no triangle that has an area, a size or a
-    /// distance from the origin that leaves no digits, an empty name, a slack out of range.
+    /// Numbers that are not finite, a vertex or triangle number out of range, no triangle that has an area, edges that lie
+    /// beside one another too far apart to be welded, a surface that is turned inside out where it crosses itself, a size or
+    /// a distance from the origin that leaves no digits, an empty name, a slack out of range.
     pub fn mesh(
         name: impl Into<String>,
         vertices: &[DVec3],
@@ -201,7 +211,8 @@ impl Model {
     /// They need not close. Numbers in `seams` and `untouchable` are places in `loops`: a seam is not there, an untouchable
     /// face is in the way. Corners that coincide form one vertex; a corner on the inside of another face's side divides it.
     ///
-    /// What the corners are off the planes of their faces is treated as in [`Model::mesh`].
+    /// What the corners are off the planes of their faces is treated as in [`Model::mesh`], and corners of sides that only one
+    /// face has are welded as there.
     ///
     /// ```
     /// use glam::dvec3;
@@ -243,7 +254,7 @@ impl Model {
         normal_slack: f64,
         mends: Vec<Mend>,
     ) -> Result<Self, Error> {
-        let Solid { points, faces, triangles, slacks, .. } = solid;
+        let Solid { points, faces, triangles, slacks, scale } = solid;
         let (edges, bends, all_paired) = edges(&points, &faces);
         let volume = volume(&points, &triangles);
         let no_volume = 1e-12 * largest_distance(&points).powi(3);
@@ -258,30 +269,42 @@ impl Model {
         }
         let vertices = vertices(&points, &faces, &edges, &bends);
         let size = largest_distance(&points);
-        let parts = Parts { faces: &faces, edges: &edges, vertices: &vertices, size };
-        let symmetries = symmetries(parts);
-        let asymmetry = asymmetry(parts, &symmetries);
         let (position_slack, normal_slack) = (position_slack + slacks.0, normal_slack + slacks.1);
+        if slacks.1 > 0.0 && normal_slack >= FRAC_PI_2 {
+            let problem = "are off or apart by so much that it is not known which way a narrow face faces";
+            let value = format!("{:.1e}", slacks.0);
+            return Err(Error::new("vertices", problem, value, "weld the corners where the mesh is made"));
+        }
         check_slacks(position_slack, normal_slack)?;
-        let model = Self {
+        let parts = Parts {
+            faces: &faces,
+            edges: &edges,
+            vertices: &vertices,
+            size,
+            precision: scale.precision(position_slack),
+        };
+        let Symmetries { group, miss } = symmetries(parts);
+        let mut model = Self {
             name,
             faces,
             edges,
             vertices,
             triangles,
             closed: all_paired && volume > no_volume,
-            symmetries,
+            symmetries: group,
             roundness: None,
             position_slack,
             normal_slack,
             mends,
             size,
-            asymmetry,
+            asymmetry: (miss.length, miss.turn),
+            precision: scale.precision(slacks.0),
             tables: TableCache::default(),
             bvh: BvhCache::default(),
         };
-        let roundness = roundness(&model);
-        Ok(Self { roundness, ..model })
+        model.mends.extend(crossing::check(&model, scale.single_tol)?);
+        model.roundness = roundness(&model);
+        Ok(model)
     }
 }
 

@@ -155,7 +155,8 @@ fn shapes_known_by_eye() {
         let cavity = mesh(&moved(&cavity, pose));
         assert_eq!(counts(&cavity), [12, 24, 16]);
         check(&cavity, "cavity");
-        assert_eq!(cavity.mends.len(), 1, "{:?}", cavity.mends);
+        let said = cavity.mends.iter().map(|mend| ["inside out", "sealed"].map(|word| mend.0.contains(word)));
+        assert_eq!(said.collect::<Vec<_>>(), [[true, false], [false, true]], "{:?}", cavity.mends);
         assert!((cavity.signed_distance(pose.apply(DVec3::ZERO)) - 1.5).abs() < 1e-12 * 100.0);
         assert!(cavity.signed_distance(pose.apply(dvec3(3.0, 0.0, 0.0))) < -1.4);
     }
@@ -200,7 +201,8 @@ fn unions_of_boxes_keep_their_volume_and_have_the_cones_of_balls() {
         let pose = random.pose();
         let model = mesh(&moved(&shape, pose));
         check(&model, &format!("cells {k}"));
-        assert!(model.mends.iter().all(|mend| mend.0.contains("doubled")), "{k}: {:?}", model.mends);
+        let is_known = |text: &str| text.contains("doubled") || text.contains("sealed");
+        assert!(model.mends.iter().all(|mend| is_known(&mend.0)), "{k}: {:?}", model.mends);
         let points: Vec<DVec3> = model.vertices.iter().map(|vertex| vertex.point).collect();
         let found = volume(&points, &model.triangles);
         assert!((found - cells.volume()).abs() < 1e-9 * cells.volume(), "{k}: {found} {}", cells.volume());
@@ -350,7 +352,7 @@ fn smooth_surfaces_are_not_chained() {
     let model = mesh(&extruded(&[regular(n, 20.0)], 30.0));
     assert_eq!(model.faces.len(), n + 2);
     let fine = mesh(&extruded(&[regular(6000, 20.0)], 30.0));
-    assert!(fine.faces.len() < 6002 && fine.position_slack <= 5e-7 * fine.size, "{}", fine.faces.len());
+    assert!(fine.faces.len() < 6002 && fine.position_slack <= 1e-6 * fine.size, "{}", fine.faces.len());
     assert!(fine.normal_slack > 0.0);
 }
 

@@ -7,6 +7,12 @@ use glam::DVec3;
 use super::mesh::{Mesh, Use, report};
 use crate::part::Mend;
 
+/// How much of the area of an open surface may be wound against the rest by an oversight: what is more is meant.
+const OVERSIGHT: f64 = 0.25;
+
+/// A closed surface about which an open one goes by more than this share of once may lie inside of it.
+const AROUND: f64 = 0.1;
+
 /// Triangles that hang together over edges.
 struct Component {
     triangles: Vec<u32>,
@@ -62,49 +68,43 @@ fn mates(mesh: &Mesh) -> Vec<Option<u32>> {
     mates
 }
 
-/// Winds the triangles of each component alike; outward if it is closed, which within another one means into the void,
-/// and else as most of its area was given.
+/// Winds the triangles of each component alike; outward if it is closed, which within another one means into the void.
+///
+/// Of what is not closed it is not known what is inside, nor of what an open surface may go around: it is wound as nearly all
+/// of its area was given, or else left as it was given.
 pub(super) fn orient(mesh: &mut Mesh, mends: &mut Vec<Mend>) {
     let mut is_turned = vec![false; mesh.triangles.len()];
     let (mut components, num_torn) = alike(mesh, &mut is_turned);
     for (triangle, _) in mesh.triangles.iter_mut().zip(&is_turned).filter(|(_, turned)| **turned) {
         triangle.swap(1, 2);
     }
-    let uses = mesh.uses();
-    let mut of_triangle = vec![0; mesh.triangles.len()];
-    for (k, component) in components.iter().enumerate() {
-        for &t in &component.triangles {
-            of_triangle[t as usize] = k;
-        }
-    }
-    for group in uses.chunk_by(|a, b| a.ends == b.ends) {
-        for k in group.iter().map(|each| of_triangle[each.half as usize / 3]) {
-            let of_component = group.iter().filter(|other| of_triangle[other.half as usize / 3] == k);
-            components[k].closed &=
-                of_component.map(|each| if each.forward { 1 } else { -1 }).sum::<i32>() == 0;
-        }
-    }
+    close(mesh, &mut components);
 
-    let mut num_inside_out = 0;
+    let (mut num_inside_out, mut num_kept, mut num_sealed) = (0, 0, 0);
     for (k, component) in components.iter().enumerate() {
-        let reverse = if component.closed {
-            let around = components
-                .iter()
-                .enumerate()
-                .filter(|(j, other)| *j != k && other.closed && is_within(mesh, component, other));
-            let is_cavity = around.count() % 2 == 1;
-            (volume(mesh, &component.triangles) < 0.0) != is_cavity
+        let others = components.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, other)| other);
+        let is_known = component.closed && !others.clone().any(|other| may_be_within(mesh, component, other));
+        let mut turned: Vec<u32> = component.triangles.clone();
+        turned.retain(|&t| is_turned[t as usize]);
+        let reverse = if is_known {
+            let num_around = others.filter(|other| other.closed && is_within(mesh, component, other)).count();
+            num_sealed += usize::from(num_around > 0);
+            (volume(mesh, &component.triangles) < 0.0) != (num_around % 2 == 1)
         } else {
-            let given = component.triangles.iter().map(|&t| {
-                let area = mesh.area_vector(t as usize).length();
-                if is_turned[t as usize] { -area } else { area }
-            });
-            given.sum::<f64>() < 0.0
+            let share = area(mesh, &turned) / area(mesh, &component.triangles);
+            if share.min(1.0 - share) > OVERSIGHT {
+                for &t in &turned {
+                    mesh.triangles[t as usize].swap(1, 2);
+                    is_turned[t as usize] = false;
+                }
+                num_kept += turned.len();
+            }
+            share >= 1.0 - OVERSIGHT
         };
         if !reverse {
             continue;
         }
-        let all_as_given = component.triangles.iter().all(|&t| !is_turned[t as usize]);
+        let all_as_given = turned.is_empty();
         num_inside_out += usize::from(all_as_given);
         for &t in &component.triangles {
             mesh.triangles[t as usize].swap(1, 2);
@@ -114,7 +114,37 @@ pub(super) fn orient(mesh: &mut Mesh, mends: &mut Vec<Mend>) {
     report(mends, num_inside_out, "closed surface(s) inside out: turned");
     let num_turned = is_turned.iter().filter(|turned| **turned).count();
     report(mends, num_turned, "triangle(s) wound against their neighbours or facing inward: turned");
-    report(mends, num_torn, "edge(s) where no winding agrees: the surface has one side only");
+    report(mends, num_kept, "triangle(s) of open surfaces wound against their neighbours: kept as given");
+    report(
+        mends,
+        num_torn,
+        "edge(s) where no winding agrees: the surface has one side only, and is kept as given",
+    );
+    let what = "closed surface(s) sealed within another: a probe gets there from inside only; name their triangles in \
+                untouchable= if none does";
+    report(mends, num_sealed, what);
+}
+
+/// Finds which components are closed, as they are wound.
+fn close(mesh: &Mesh, components: &mut [Component]) {
+    let mut of_triangle = vec![0; mesh.triangles.len()];
+    for (k, component) in components.iter().enumerate() {
+        for &t in &component.triangles {
+            of_triangle[t as usize] = k;
+        }
+    }
+    for group in mesh.uses().chunk_by(|a, b| a.ends == b.ends) {
+        for k in group.iter().map(|each| of_triangle[each.half as usize / 3]) {
+            let of_component = group.iter().filter(|other| of_triangle[other.half as usize / 3] == k);
+            components[k].closed &=
+                of_component.map(|each| if each.forward { 1 } else { -1 }).sum::<i32>() == 0;
+        }
+    }
+}
+
+/// Twice the area of triangles.
+fn area(mesh: &Mesh, triangles: &[u32]) -> f64 {
+    triangles.iter().map(|&t| mesh.area_vector(t as usize).length()).sum()
 }
 
 /// The components, with which triangles must turn to be wound as the first of theirs; and the number of edges where
@@ -128,7 +158,7 @@ fn alike(mesh: &Mesh, is_turned: &mut [bool]) -> (Vec<Component>, usize) {
             continue;
         }
         let mut triangles = vec![seed as u32];
-        let mut next = 0;
+        let (mut next, mut torn) = (0, 0);
         while let Some(&t) = triangles.get(next) {
             next += 1;
             for half in 3 * t..3 * t + 3 {
@@ -140,16 +170,23 @@ fn alike(mesh: &Mesh, is_turned: &mut [bool]) -> (Vec<Component>, usize) {
                     is_turned[other as usize] = must_turn;
                     triangles.push(other);
                 } else if is_turned[other as usize] != must_turn {
-                    num_torn += 1;
+                    torn += 1;
                 }
             }
         }
+        if torn > 0 {
+            for &t in &triangles {
+                is_turned[t as usize] = false;
+            }
+        }
+        // Each was met from either side.
+        num_torn += torn / 2;
         let corners = || triangles.iter().flat_map(|&t| mesh.corners(t as usize));
         let low = corners().fold(DVec3::INFINITY, DVec3::min);
         let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
         components.push(Component { triangles, closed: true, low, high });
     }
-    (components, num_torn / 2)
+    (components, num_torn)
 }
 
 /// The volume that triangles bound, positive if they face outward.
@@ -162,9 +199,19 @@ fn volume(mesh: &Mesh, triangles: &[u32]) -> f64 {
     triangles.iter().map(of_triangle).sum()
 }
 
+/// Whether it is not known if a component lies inside of another, which is open.
+fn may_be_within(mesh: &Mesh, inner: &Component, outer: &Component) -> bool {
+    let point = mesh.corners(inner.triangles[0] as usize)[0];
+    !outer.closed && has_box_around(inner, outer) && winding(mesh, &outer.triangles, point).abs() > AROUND
+}
+
+fn has_box_around(inner: &Component, outer: &Component) -> bool {
+    inner.low.cmpge(outer.low).all() && inner.high.cmple(outer.high).all()
+}
+
 /// Whether a component lies inside of another, which it does not cross.
 fn is_within(mesh: &Mesh, inner: &Component, outer: &Component) -> bool {
-    if !(inner.low.cmpge(outer.low).all() && inner.high.cmple(outer.high).all()) {
+    if !has_box_around(inner, outer) {
         return false;
     }
     // Where the two touch, the winding number is a half: another triangle is asked.

@@ -1,21 +1,26 @@
 //! Triangles of one plane put together.
 //!
-//! **What a region may be.** Its corners lie within `planar_tol` of one plane, and that plane is known to `TURN_TOL`.
+//! **What a region may be.** Its corners lie within `single_tol` of one plane, and that plane is known to `TURN_TOL`.
 //! Let every corner be within `d` of the plane that is found and of the true one. The height of one plane above the
 //! other is then an affine function on the region which at its corners, hence on their convex hull, is at most `2 d`.
 //! The hull has a width of at least `A / D` in every direction (area over diameter), so that the function's slope is
-//! at most `4 d D / A`: the tangent of the angle between the planes.
+//! at most `4 d D / A`: the tangent of the angle between the planes. Where corners were welded, `d` is what they are off
+//! the plane and how far they were moved, together.
 
 use glam::DVec3;
 
 use super::mesh::Mesh;
+use super::scale::Scale;
 use crate::part::Surface;
 
 /// The most by which a region's plane may be turned against the true one, radians.
-const TURN_TOL: f64 = 1e-3;
+pub(super) const TURN_TOL: f64 = 1e-3;
 
 /// Triangles whose normals are further apart are no part of one region: cosine.
 const FACING: f64 = 0.9;
+
+/// Triangles no higher than so many times what single precision may make of a point have no normal of their own.
+const SLIVER: f64 = 8.0;
 
 /// A plane, `normal · x = offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,8 +31,8 @@ pub(super) struct Plane {
     pub(super) offset: f64,
     /// No corner of the region is further from it.
     pub(super) deviation: f64,
-    /// The angle by which it may be turned against the true plane, radians.
-    pub(super) turn: f64,
+    /// `D / A` of the region.
+    slenderness: f64,
 }
 
 /// Triangles of one plane that hang together.
@@ -41,6 +46,14 @@ pub(super) struct Region {
     pub(super) surface: Surface,
 }
 
+impl Region {
+    /// How far its corners are from those as given, at most.
+    pub(super) fn moved(&self, mesh: &Mesh) -> f64 {
+        let corners = self.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
+        corners.map(|k| mesh.moved[k as usize]).fold(0.0, f64::max)
+    }
+}
+
 impl Plane {
     /// Of points with the area vector of what they bound: the normal is the area's (Newell), the offset amid the points.
     pub(super) fn new(area: DVec3, points: impl Iterator<Item = DVec3> + Clone) -> Self {
@@ -52,9 +65,18 @@ impl Plane {
             (low, high) = (low.min(height), high.max(height));
             (least, most) = (least.min(point), most.max(point));
         }
-        let deviation = 0.5 * (high - low);
-        let turn = (4.0 * deviation * least.distance(most) / area.length()).atan();
-        Self { normal, offset: 0.5 * (low + high), deviation, turn }
+        let slenderness = least.distance(most) / area.length();
+        Self { normal, offset: 0.5 * (low + high), deviation: 0.5 * (high - low), slenderness }
+    }
+
+    /// Whether it is that of a sliver, whose normal says nothing.
+    pub(super) fn is_narrow(&self, scale: Scale) -> bool {
+        self.slenderness * 0.5 * SLIVER * scale.single_tol >= 1.0
+    }
+
+    /// The angle by which it may be turned against the true plane, radians, if corners were moved by no more than `moved`.
+    pub(super) fn turn(&self, moved: f64) -> f64 {
+        (4.0 * (self.deviation + moved) * self.slenderness).atan()
     }
 }
 
@@ -96,7 +118,7 @@ impl Growth<'_> {
                 break;
             }
             let wider = self.plane(&triangles);
-            if wider.deviation > self.mesh.scale.planar_tol || wider.turn > TURN_TOL {
+            if wider.deviation > self.mesh.scale.single_tol || wider.turn(0.0) > TURN_TOL {
                 for t in triangles.drain(known..) {
                     self.is_taken[t as usize] = false;
                 }
@@ -126,14 +148,13 @@ impl Growth<'_> {
     }
 
     fn lies_in(&self, triangle: usize, plane: &Plane) -> bool {
-        let planar_tol = self.mesh.scale.planar_tol;
+        let single_tol = self.mesh.scale.single_tol;
         let height = |point: DVec3| (plane.normal.dot(point) - plane.offset).abs();
-        if self.mesh.corners(triangle).into_iter().any(|point| height(point) > planar_tol) {
+        if self.mesh.corners(triangle).into_iter().any(|point| height(point) > single_tol) {
             return false;
         }
-        // A sliver's normal says nothing.
         let area = self.areas[triangle];
-        area.dot(plane.normal) > FACING * area.length() || self.mesh.height(triangle) <= 8.0 * planar_tol
+        area.dot(plane.normal) > FACING * area.length() || self.mesh.height(triangle) <= SLIVER * single_tol
     }
 
     fn plane(&self, triangles: &[u32]) -> Plane {

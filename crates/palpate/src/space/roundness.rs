@@ -4,7 +4,8 @@
 //! **Criterion.** There is a surface `S` that every turn about the axis (the center) maps onto itself, and each point of
 //! it has a point of a face within `position_slack` whose face's normal is within `normal_slack` of that of `S`. Slacks
 //! grant that the true surface is `S`; what explains contacts at one pose then does so at each turned one. Only faces
-//! that are made like the following are recognized, so that a part may be round without being known to be.
+//! that are made like the following are recognized, so that a part may be round without being known to be. Corners are
+//! known to a precision only ([`Scale::precision`](super::scale::Scale::precision)), which is granted beside the slacks.
 //!
 //! **Bands.** A face with corners at azimuths `±β` about its own, two at radius `R₁` and height `z₁`, two at `R₂` and
 //! `z₂` (or one on the axis, `R₂ = 0`); faces of the same radii and heights that fill all azimuths. `S` is the cone
@@ -26,14 +27,12 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DVec3};
 
 use super::model::{Face, Model, Roundness};
-use super::symmetry::angle;
+use super::motions::turn;
+use super::spherical::angle;
 use crate::part::Surface;
 
-/// Lengths, as shares of the size, and angles that are the same up to rounding and to what is mended.
+/// A whole turn is known to this, radians.
 const SAME: f64 = 1e-9;
-
-/// What slacks that are exactly as large as needed may miss by rounding, as a share of the size and in radians.
-const ROUNDING: f64 = 1e-12;
 
 /// The continuous symmetry of a model, if it is certain.
 pub(super) fn roundness(model: &Model) -> Option<Roundness> {
@@ -58,11 +57,12 @@ fn ball(model: &Model) -> Option<DVec3> {
     let farthest = model.vertices.iter().map(|vertex| vertex.point.distance(center)).fold(0.0, f64::max);
     let height = |face: &Face| face.offset - face.normal.dot(center);
     let nearest = model.faces.iter().map(height).fold(f64::INFINITY, f64::min);
+    let (farthest, nearest) = (farthest - model.precision, nearest + model.precision);
     let spread = (farthest * farthest - nearest * nearest).max(0.0).sqrt().atan2(nearest);
     let holds = model.closed
         && nearest > 0.0
-        && farthest - nearest <= model.position_slack + ROUNDING * model.size
-        && spread <= model.normal_slack + ROUNDING
+        && farthest - nearest <= model.position_slack
+        && spread <= model.normal_slack
         && model.winding_by_angle(center) == 1;
     holds.then_some(center)
 }
@@ -115,8 +115,10 @@ struct Round<'a> {
 /// A face of a band: what must be the same all around, and which azimuths it spans.
 struct Band {
     surface: Surface,
-    /// Radius and height of its two circles, the outer normal's height.
-    shape: [f64; 5],
+    /// Radius and height of its two circles.
+    shape: [f64; 4],
+    /// The height of its outer normal, and how well it is known.
+    rise: (f64, f64),
     middle: f64,
     half: f64,
 }
@@ -136,20 +138,26 @@ impl Round<'_> {
         while let Some(first) = bands.pop() {
             let alike = |band: &Band| {
                 let same = |k: usize| (band.shape[k] - first.shape[k]).abs() <= self.tol();
-                band.surface == first.surface && (0..5).all(same)
+                let risen = (band.rise.0 - first.rise.0).abs() <= band.rise.1 + first.rise.1;
+                band.surface == first.surface && (0..4).all(same) && risen
             };
             let (mut same, others): (Vec<Band>, Vec<Band>) = bands.into_iter().partition(alike);
             bands = others;
             same.push(first);
-            if !fills(&mut same) {
+            if !fills(&mut same, self.tol()) {
                 return false;
             }
         }
         true
     }
 
+    /// What two corners may be off, one against the other.
     fn tol(&self) -> f64 {
-        SAME * self.model.size
+        2.0 * self.model.precision
+    }
+
+    fn turn(&self, face: &Face) -> f64 {
+        turn(face, &self.model.vertices, self.model.precision)
     }
 
     /// Radius, height and azimuth of a corner.
@@ -163,12 +171,13 @@ impl Round<'_> {
     /// Whether chords over `2 half` of a circle of this radius are within the slack of it.
     fn is_near(&self, radius: f64, half: f64) -> bool {
         let sagitta = 2.0 * radius * (0.5 * half).sin().powi(2);
-        sagitta <= self.model.position_slack + ROUNDING * self.model.size
+        sagitta <= self.model.position_slack + self.model.precision
     }
 
     fn is_cap(&self, face: &Face) -> bool {
         let across = angle(face.normal, self.direction);
-        let is_across = across.min(PI - across) <= SAME;
+        let farthest = face.loops.iter().flatten().map(|&k| self.cylindrical(k).0).fold(0.0, f64::max);
+        let is_across = across.min(PI - across) * farthest <= self.tol().max(self.turn(face) * farthest);
         let sign = face.normal.dot(self.direction).signum();
         is_across
             && face.loops.len() <= 2
@@ -199,13 +208,19 @@ impl Round<'_> {
         let beside = |&k: &u32| radial.dot(self.model.vertices[k as usize].point - self.point);
         let is_bore = outline.iter().map(beside).sum::<f64>() < 0.0;
         let middle = if is_bore { middle + PI } else { middle };
+        let turn = self.turn(face);
         // Of each corner radius, height, and azimuth from the middle.
         let of_corner = |&k: &u32| {
             let (radius, height, azimuth) = self.cylindrical(k);
             let from_middle = (azimuth - middle + PI).rem_euclid(TAU) - PI;
             if radius <= self.tol() { (0.0, height, 0.0) } else { (radius, height, from_middle) }
         };
-        let corners: Vec<(f64, f64, f64)> = outline.iter().map(of_corner).collect();
+        let mut corners: Vec<(f64, f64, f64)> = outline.iter().map(of_corner).collect();
+        // Corners tell the middle better than the normal does.
+        let beside_axis = corners.iter().filter(|c| c.0 > 0.0);
+        let off = beside_axis.clone().map(|c| c.2).sum::<f64>() / beside_axis.count().max(1) as f64;
+        corners.iter_mut().filter(|c| c.0 > 0.0).for_each(|c| c.2 -= off);
+        let middle = middle + off;
         let outward = corners.iter().all(|c| c.0 == 0.0 || c.2.abs() < 0.5 * PI);
         let [first, second] = self.circles(&corners)?;
         let half = if first.2 > 0.0 { first.2 } else { second.2 };
@@ -214,22 +229,30 @@ impl Round<'_> {
         let of_cone = DVec3::new(rise * half.cos(), rise * half.sin(), -run).try_normalize()?;
         let of_face = DVec3::new(rise, 0.0, -run * half.cos()).try_normalize()?;
         let holds = outward
-            && angle(of_cone, of_face) <= self.model.normal_slack + ROUNDING
+            && off.abs() * radial.length() <= turn
+            && angle(of_cone, of_face) <= self.model.normal_slack + turn
             && self.is_near(first.0.max(second.0), half);
-        let shape = [first.0, first.1, second.0, second.1, face.normal.dot(self.direction)];
-        holds.then_some(Band { surface: face.surface, shape, middle, half })
+        let shape = [first.0, first.1, second.0, second.1];
+        let rise = (face.normal.dot(self.direction), turn);
+        holds.then_some(Band { surface: face.surface, shape, rise, middle, half })
     }
 
-    /// The two circles on which the corners lie, as radius, height and half of the azimuths spanned; the lower one first.
+    /// The two circles on which the corners lie, as radius, height and half of the azimuths spanned; the lower one first,
+    /// or the narrower one if both are as high.
     fn circles(&self, corners: &[(f64, f64, f64)]) -> Option<[(f64, f64, f64); 2]> {
-        let mut sorted = corners.to_vec();
         let tol = self.tol();
-        let rough = |x: f64| (x / (4.0 * tol)).round();
-        sorted.sort_by(|a, b| {
-            let key = |c: &(f64, f64, f64)| [rough(c.1), rough(c.0)];
-            let (of_a, of_b) = (key(a), key(b));
-            of_a[0].total_cmp(&of_b[0]).then(of_a[1].total_cmp(&of_b[1])).then(a.2.total_cmp(&b.2))
-        });
+        let spread = |of: fn(&(f64, f64, f64)) -> f64| {
+            let values = || corners.iter().map(of);
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+        };
+        let by_height = spread(|c| c.1) >= spread(|c| c.0);
+        let mut sorted = corners.to_vec();
+        sorted.sort_by(|a, b| if by_height { a.1.total_cmp(&b.1) } else { a.0.total_cmp(&b.0) });
+        // The corners of one circle by their azimuths: a lone one is the apex.
+        let first = if sorted.len() == 3 && sorted[0].0 == 0.0 { 1 } else { 2.min(sorted.len()) };
+        let (lower, upper) = sorted.split_at_mut(first);
+        lower.sort_by(|a, b| a.2.total_cmp(&b.2));
+        upper.sort_by(|a, b| a.2.total_cmp(&b.2));
         let circle = |a: (f64, f64, f64), b: (f64, f64, f64)| {
             let same = (a.0 - b.0).abs() <= tol && (a.1 - b.1).abs() <= tol;
             (same && (a.2 + b.2).abs() * a.0 <= tol && b.2 > 0.0).then_some((a.0, a.1, b.2))
@@ -242,12 +265,13 @@ impl Round<'_> {
         };
         let alike =
             first.0 == 0.0 || second.0 == 0.0 || (first.2 - second.2).abs() * first.0.max(second.0) <= tol;
-        alike.then_some([first, second])
+        let is_lower = if (first.1 - second.1).abs() > tol { first.1 < second.1 } else { first.0 < second.0 };
+        alike.then_some(if is_lower { [first, second] } else { [second, first] })
     }
 }
 
-/// Whether faces of one band follow one another all around the axis.
-fn fills(bands: &mut [Band]) -> bool {
+/// Whether faces of one band follow one another all around the axis, to within a length.
+fn fills(bands: &mut [Band], tol: f64) -> bool {
     for band in bands.iter_mut() {
         band.middle = band.middle.rem_euclid(TAU);
     }
@@ -257,6 +281,6 @@ fn fills(bands: &mut [Band]) -> bool {
         && (0..n).all(|k| {
             let (here, next) = (&bands[k], &bands[(k + 1) % n]);
             let step = (next.middle - here.middle).rem_euclid(TAU);
-            (step - here.half - next.half).abs() <= 1e3 * SAME
+            (step - here.half - next.half).abs() * here.shape[0].max(here.shape[2]) <= 2.0 * tol
         })
 }

@@ -1,31 +1,39 @@
 //! The rigid motions that map a solid model onto itself.
 //!
-//! Each of them keeps the mean of the vertices. It is known from where it takes one flag, a side of a face's loop: the
-//! face's normal and the side's direction are a frame. So there are no more of them than flags that look alike; each is
-//! tried and must take every vertex, edge and face onto one of its kind. What is a product of known ones is not searched for,
-//! only measured.
+//! Each of them keeps the mean of the vertices. It is nearly known from where it takes one flag, a side of a face's loop:
+//! the face's normal and the side's direction are a frame. So there are no more of them than flags that look alike; each is
+//! tried, and must take every vertex, edge and face onto one of its kind. What it takes where is what makes it a symmetry; its
+//! motion is the one that fits that best.
+//!
+//! **A group.** Recognition takes of all assignments that symmetries take into each other the least, which is well defined only
+//! if they are a group. Corners are known to a precision, and what two motions do within it, one after the other, may miss by
+//! more. So where features go is what is multiplied, exactly, until nothing new comes; a symmetry is taken only if
+//! all that comes with it misses by little enough. What they miss by at most is a slack ([`Symmetries::miss`]).
 //!
 //! Turns about one axis and half turns across it are as many as the part has sides; beyond [`MOST`] a subgroup stays,
 //! the turns by a larger angle that divides the full one. What is lost then is that some poses are not known to be the
 //! same; none is taken to be the same wrongly.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3};
 
 use super::Pose;
 use super::model::{Edge, Face, Symmetry, Vertex};
+use super::motions::{Miss, fitted, miss, turn};
+use super::regions::TURN_TOL;
+use super::spherical::angle;
+use super::weld::between;
 use crate::part::Surface;
 
-/// How far a mapped corner may be from its image, as a share of the model's size: far below τ, as what holds for a pose
-/// is taken to hold for its images.
-const SYMMETRY_TOL: f64 = 1e-9;
+/// The share of the shortest edge by which a corner may be off: it keeps its neighbours apart.
+const SHARE: f64 = 0.1;
 
-/// The angle by which a mapped normal may be off, radians, and the share of the shortest edge by which a corner may.
-const SYMMETRY_TURN: f64 = 1e-7;
+/// What follows from symmetries may miss by this many times as much as they may.
+const PRODUCT: f64 = 2.0;
 
-/// Lengths and areas of flags that look alike agree to this share of the size.
+/// Lengths and areas of flags that look alike agree to this share of the size at least.
 const ALIKE: f64 = 1e-6;
 
 /// Motions, at most.
@@ -38,72 +46,54 @@ pub(super) struct Parts<'a> {
     pub(super) edges: &'a [Edge],
     pub(super) vertices: &'a [Vertex],
     pub(super) size: f64,
+    /// How well its corners are known: how far a mapped corner may be from its image.
+    pub(super) precision: f64,
+}
+
+/// A group.
+pub(super) struct Symmetries {
+    /// All of them, the identity first.
+    pub(super) group: Vec<Symmetry>,
+    /// By how much they miss, at most. What holds for a pose holds for its images with bounds enlarged by it.
+    pub(super) miss: Miss,
 }
 
 /// All of them, the identity first, then by where they take the flag. A seam is not there: it has no say, and keeps its
 /// number.
-pub(super) fn symmetries(parts: Parts) -> Vec<Symmetry> {
-    let search = Search::new(parts);
+pub(super) fn symmetries(parts: Parts) -> Symmetries {
+    let mut search = Search::new(parts);
     let base = search.rarest();
-    let frame = search.frame(base);
-    let motion = |flag: Flag| {
-        let rotation = search.frame(flag) * frame.transpose();
-        Pose { rotation, translation: search.center - rotation * search.center }
-    };
+    search.prepare(base);
     let flags = search.alike(base);
-    let of_name: HashMap<Name, Flag> = flags.iter().map(|&flag| (search.name(flag), flag)).collect();
-    let name = search.name(base);
-    let mut found = vec![search.identity()];
-    let mut known = BTreeSet::from([name]);
+    let mut group = vec![search.identity()];
     let mut generators: Vec<Symmetry> = Vec::new();
+    let mut miss = Miss::default();
     for &flag in &flags {
-        if known.contains(&search.name(flag)) {
+        let name = search.name(flag);
+        if group.iter().any(|symmetry| image(symmetry, search.name(base)) == name) {
             continue;
         }
-        let Some(generator) = search.symmetry(motion(flag)) else { continue };
+        let Some(generator) = search.symmetry(search.motion(base, flag)) else { continue };
         generators.push(generator);
-        // What follows from those known need not be searched for: products, until there are no new ones.
-        let mut next = 0;
-        while next < found.len() {
-            for generator in &generators {
-                let product = image(generator, image(&found[next], name));
-                if let Some(&flag) = of_name.get(&product)
-                    && known.insert(product)
-                {
-                    found.extend(search.product(motion(flag), generator, &found[next]));
-                }
-            }
-            next += 1;
+        match search.closure(&group, &generators, search.name(base)) {
+            Some((larger, worst)) => (group, miss) = (larger, miss.or(worst)),
+            None => drop(generators.pop()),
         }
     }
     let places: HashMap<Name, usize> =
         flags.iter().enumerate().map(|(k, flag)| (search.name(*flag), k)).collect();
-    found[1..].sort_by_key(|symmetry| places.get(&image(symmetry, name)).copied());
-    if found.len() > MOST { subgroup(&found) } else { found }
+    group[1..].sort_by_key(|symmetry| {
+        let name = image(symmetry, search.name(base));
+        (places.get(&name).copied().unwrap_or(usize::MAX), name)
+    });
+    let group = if group.len() > MOST { subgroup(&group) } else { group };
+    Symmetries { group, miss }
 }
 
 /// Where a flag's name goes.
 fn image(symmetry: &Symmetry, [face, start, end]: Name) -> Name {
     let of_vertex = |k: u32| symmetry.vertices[k as usize];
     [symmetry.faces[face as usize], of_vertex(start), of_vertex(end)]
-}
-
-/// By how much they miss: a corner its image, and the normal of a face, radians. What holds for a pose holds for its
-/// images with bounds enlarged by it.
-pub(super) fn asymmetry(parts: Parts, symmetries: &[Symmetry]) -> (f64, f64) {
-    let (mut miss, mut turn) = (0.0_f64, 0.0_f64);
-    for Symmetry { motion, faces, vertices, .. } in symmetries.iter().skip(1) {
-        for (vertex, &image) in parts.vertices.iter().zip(vertices) {
-            // One that only seams have keeps its number.
-            let distance = motion.apply(vertex.point).distance(parts.vertices[image as usize].point);
-            miss = miss.max(if distance <= SYMMETRY_TOL * parts.size { distance } else { 0.0 });
-        }
-        for (face, &image) in parts.faces.iter().zip(faces).filter(|(face, _)| face.surface != Surface::Seam)
-        {
-            turn = turn.max(angle(motion.rotation * face.normal, parts.faces[image as usize].normal));
-        }
-    }
-    (miss, turn)
 }
 
 /// A side of a face's loop: face, loop, place.
@@ -118,7 +108,10 @@ struct Search<'a> {
     center: DVec3,
     /// Whether each vertex belongs to more than seams.
     is_there: Vec<bool>,
+    /// How far a mapped corner may be from its image.
     tol: f64,
+    /// How far it may be from it before the motion is fitted.
+    reach: f64,
     /// Vertices by where they are, in cubes far wider than the tolerance.
     cells: HashMap<[i64; 3], Vec<u32>>,
     /// Faces that a directed side belongs to.
@@ -151,17 +144,49 @@ impl<'a> Search<'a> {
         let there = (0..parts.vertices.len()).filter(|&k| is_there[k]);
         let offsets = there.clone().map(|k| parts.vertices[k].point - origin);
         let center = origin + offsets.sum::<DVec3>() / there.clone().count().max(1) as f64;
-        let tol = (SYMMETRY_TOL * parts.size).min(SYMMETRY_TURN * shortest);
-        let mut search = Self { parts, center, is_there, tol, cells: HashMap::new(), of_side, of_ends };
-        for k in (0..parts.vertices.len()).filter(|&k| search.is_there[k]) {
-            let cell = search.cell(parts.vertices[k].point);
-            search.cells.entry(cell).or_default().push(k as u32);
+        let tol = parts.precision.min(SHARE * shortest);
+        Self { parts, center, is_there, tol, reach: tol, cells: HashMap::new(), of_side, of_ends }
+    }
+
+    /// Sorts the vertices into cells, once it is known which flag motions are to be told from: by how much a corner
+    /// may be off then follows from how well its frame is known.
+    fn prepare(&mut self, base: Flag) {
+        let [a, b] = self.side(base);
+        let reach = (0..self.parts.vertices.len()).filter(|&k| self.is_there[k]);
+        let reach = reach.map(|k| self.parts.vertices[k].point.distance(self.center)).fold(0.0, f64::max);
+        let turn = 2.0 * (2.0 * self.tol / a.distance(b) + self.turn(base.0));
+        self.reach = 2.0 * self.tol + turn * reach;
+        for k in (0..self.parts.vertices.len()).filter(|&k| self.is_there[k]) {
+            let cell = self.cell(self.parts.vertices[k].point);
+            self.cells.entry(cell).or_default().push(k as u32);
         }
-        search
+    }
+
+    fn turn(&self, face: usize) -> f64 {
+        turn(&self.parts.faces[face], self.parts.vertices, self.tol)
     }
 
     fn cell(&self, point: DVec3) -> [i64; 3] {
-        ((point - self.center) / (64.0 * self.tol)).floor().to_array().map(|x| x as i64)
+        let width = (64.0 * self.tol).max(2.0 * self.reach);
+        ((point - self.center) / width).floor().to_array().map(|x| x as i64)
+    }
+
+    /// The motion that takes one flag to another.
+    fn motion(&self, from: Flag, to: Flag) -> DMat3 {
+        self.frame(to) * self.frame(from).transpose()
+    }
+
+    fn placed(&self, rotation: DMat3) -> Pose {
+        Pose { rotation, translation: self.center - rotation * self.center }
+    }
+
+    /// The rotation that fits best where vertices go.
+    fn fitted(&self, near: DMat3, of_vertex: &[u32]) -> DMat3 {
+        let from_center = |k: usize| self.parts.vertices[k].point - self.center;
+        let there = (0..of_vertex.len()).filter(|&k| self.is_there[k]);
+        let pairs: Vec<(DVec3, DVec3)> =
+            there.map(|k| (from_center(k), from_center(of_vertex[k] as usize))).collect();
+        fitted(&pairs, near)
     }
 
     fn identity(&self) -> Symmetry {
@@ -198,8 +223,8 @@ impl<'a> Search<'a> {
         loops.flat_map(move |(k, outline)| (0..outline.len()).map(move |place| (face, k, place)))
     }
 
-    /// What a motion keeps of a face.
-    fn marks(&self, face: usize) -> [f64; 5] {
+    /// What a motion keeps of a face, and how far each may be off.
+    fn marks(&self, face: usize) -> [(f64, f64); 5] {
         let Face { normal, offset, loops, surface, .. } = &self.parts.faces[face];
         let sides = self.flags(face).map(|flag| self.side(flag));
         let origin = self.side((face, 0, 0))[0];
@@ -209,20 +234,31 @@ impl<'a> Search<'a> {
             area += 0.5 * (a - origin).cross(b - origin).dot(*normal);
         }
         let num_sides: usize = loops.iter().map(Vec::len).sum();
-        let kind = (2 * num_sides + usize::from(*surface == Surface::Touchable)) as f64;
-        [kind, length, area.abs().sqrt(), offset - normal.dot(self.center), loops.len() as f64]
+        let kind = 2 * num_sides + usize::from(*surface == Surface::Touchable);
+        let least = ALIKE * self.parts.size;
+        let off = 2.0 * self.tol;
+        let height = offset - normal.dot(self.center);
+        [
+            (kind as f64, 0.0),
+            (length, least.max(2.0 * off * num_sides as f64)),
+            (area.abs(), length * least.max(off)),
+            (height, least.max(off + 2.0 * self.turn(face) * self.parts.size)),
+            (loops.len() as f64, 0.0),
+        ]
     }
 
     /// The faces that look alike, of the fewest flags.
     fn rarest_class(&self) -> Vec<usize> {
-        let Parts { faces, size, .. } = self.parts;
+        let Parts { faces, .. } = self.parts;
         let there: Vec<usize> = (0..faces.len()).filter(|&k| faces[k].surface != Surface::Seam).collect();
-        let marks: BTreeMap<usize, [f64; 5]> = there.iter().map(|&k| (k, self.marks(k))).collect();
+        let marks: BTreeMap<usize, [(f64, f64); 5]> = there.iter().map(|&k| (k, self.marks(k))).collect();
         let mut classes = vec![there];
-        for (which, tol) in [ALIKE, ALIKE * size, ALIKE * size, ALIKE * size, ALIKE].into_iter().enumerate() {
+        #[expect(clippy::needless_range_loop, reason = "of each face in turn")]
+        for which in 0..5 {
             let split = |mut class: Vec<usize>| {
-                class.sort_by(|a, b| marks[a][which].total_cmp(&marks[b][which]).then(a.cmp(b)));
-                let near = |a: &usize, b: &usize| marks[b][which] - marks[a][which] <= tol;
+                let mark = |k: &usize| marks[k][which];
+                class.sort_by(|a, b| mark(a).0.total_cmp(&mark(b).0).then(a.cmp(b)));
+                let near = |a: &usize, b: &usize| mark(b).0 - mark(a).0 <= mark(a).1.max(mark(b).1);
                 class.chunk_by(near).map(<[usize]>::to_vec).collect::<Vec<_>>()
             };
             classes = classes.into_iter().flat_map(split).collect();
@@ -252,59 +288,98 @@ impl<'a> Search<'a> {
             DVec3::new(a.distance(b), a.distance(self.center), b.distance(self.center))
         };
         let wanted = look(base);
-        let near = |flag: &Flag| (look(*flag) - wanted).abs().max_element() <= ALIKE * self.parts.size;
+        let most = (ALIKE * self.parts.size).max(4.0 * self.tol);
+        let near = |flag: &Flag| (look(*flag) - wanted).abs().max_element() <= most;
         let class = self.rarest_class();
         class.into_iter().flat_map(|face| self.flags(face).filter(near).collect::<Vec<_>>()).collect()
     }
 
-    /// Where a motion takes everything, if it maps the model onto itself.
-    fn symmetry(&self, motion: Pose) -> Option<Symmetry> {
+    /// Where a rotation about the center takes everything, if one near it maps the model onto itself.
+    fn symmetry(&self, near: DMat3) -> Option<Symmetry> {
         let Parts { faces, edges, vertices, .. } = self.parts;
-        let of_vertex = permutation(vertices.len(), |k| {
-            if self.is_there[k as usize] { self.vertex_image(k, motion) } else { Some(k) }
-        })?;
+        let nearest = |k: u32, rotation: DMat3, within: f64| {
+            if self.is_there[k as usize] {
+                self.vertex_image(k, self.placed(rotation), within)
+            } else {
+                Some(k)
+            }
+        };
+        let count = vertices.len();
+        let roughly: Vec<u32> =
+            (0..count as u32).map(|k| nearest(k, near, self.reach)).collect::<Option<_>>()?;
+        let rotation = self.fitted(near, &roughly);
+        let of_vertex = permutation(count, |k| nearest(k, rotation, PRODUCT * self.tol))?;
+        let motion = self.placed(self.fitted(rotation, &of_vertex));
         let of_face = permutation(faces.len(), |k| self.face_image(k, motion, &of_vertex))?;
         let of_edge = permutation(edges.len(), |k| self.edge_image(k, &of_vertex, &of_face))?;
-        Some(Symmetry { motion, faces: of_face, edges: of_edge, vertices: of_vertex })
+        let symmetry = Symmetry { motion, faces: of_face, edges: of_edge, vertices: of_vertex };
+        self.fits(&symmetry, self.tol).map(|_| symmetry)
     }
 
-    /// A motion that does the second and then the first of two symmetries, if it fits as well as they do.
-    fn product(&self, motion: Pose, first: &Symmetry, second: &Symmetry) -> Option<Symmetry> {
-        let through = |first: &[u32], second: &[u32]| second.iter().map(|&k| first[k as usize]).collect();
-        let product = Symmetry {
-            motion,
+    /// By how much a symmetry misses, if that is no more than `length`, and it turns no normal by more than planes may be turned.
+    fn fits(&self, symmetry: &Symmetry, length: f64) -> Option<Miss> {
+        let miss = miss(self.parts.faces, self.parts.vertices, &self.is_there, symmetry);
+        (miss.length <= length && miss.turn <= TURN_TOL).then_some(miss)
+    }
+
+    /// The group of a smaller one and the last of the generators, and by how much what is new in it misses; `None` if that
+    /// is too much.
+    fn closure(
+        &self,
+        group: &[Symmetry],
+        generators: &[Symmetry],
+        base: Name,
+    ) -> Option<(Vec<Symmetry>, Miss)> {
+        let mut all = group.to_vec();
+        let mut of_name: HashMap<Name, usize> =
+            all.iter().enumerate().map(|(k, symmetry)| (image(symmetry, base), k)).collect();
+        let (mut next, mut worst) = (0, Miss::default());
+        while next < all.len() {
+            // Products within the smaller group are in it.
+            let first = if next < group.len() { generators.len() - 1 } else { 0 };
+            for generator in &generators[first..] {
+                let name = image(generator, image(&all[next], base));
+                match of_name.get(&name) {
+                    Some(&known) if is_product(&all[known], generator, &all[next]) => {}
+                    // Two that do the same with one flag, but not with all: corners are too close to one another.
+                    Some(_) => return None,
+                    None => {
+                        let product = self.product(generator, &all[next]);
+                        worst = worst.or(self.fits(&product, PRODUCT * self.tol)?);
+                        of_name.insert(name, all.len());
+                        all.push(product);
+                    }
+                }
+            }
+            next += 1;
+        }
+        Some((all, worst))
+    }
+
+    /// What the second and then the first of two symmetries do, by a motion that fits it best.
+    fn product(&self, first: &Symmetry, second: &Symmetry) -> Symmetry {
+        let through = |first: &[u32], second: &[u32]| -> Vec<u32> {
+            second.iter().map(|&k| first[k as usize]).collect()
+        };
+        let vertices = through(&first.vertices, &second.vertices);
+        let rotation = first.motion.rotation * second.motion.rotation;
+        Symmetry {
+            motion: self.placed(self.fitted(rotation, &vertices)),
             faces: through(&first.faces, &second.faces),
             edges: through(&first.edges, &second.edges),
-            vertices: through(&first.vertices, &second.vertices),
-        };
-        let Parts { faces, vertices, .. } = self.parts;
-        let near = |(k, &image): (usize, &u32)| {
-            let image = vertices[image as usize].point;
-            !self.is_there[k] || motion.apply(vertices[k].point).distance(image) <= self.tol
-        };
-        let turned = |(face, &image): (&Face, &u32)| {
-            face.surface == Surface::Seam
-                || angle(motion.rotation * face.normal, faces[image as usize].normal) <= SYMMETRY_TURN
-        };
-        let fits =
-            product.vertices.iter().enumerate().all(near) && faces.iter().zip(&product.faces).all(turned);
-        fits.then_some(product)
+            vertices,
+        }
     }
 
-    fn vertex_image(&self, number: u32, motion: Pose) -> Option<u32> {
+    fn vertex_image(&self, number: u32, motion: Pose, within: f64) -> Option<u32> {
         let vertex = &self.parts.vertices[number as usize];
         let place = motion.apply(vertex.point);
-        let (low, high) = (self.cell(place - self.tol), self.cell(place + self.tol));
         let mut nearest: Option<(f64, u32)> = None;
-        for x in low[0]..=high[0] {
-            for y in low[1]..=high[1] {
-                for z in low[2]..=high[2] {
-                    for &k in self.cells.get(&[x, y, z]).into_iter().flatten() {
-                        let distance = self.parts.vertices[k as usize].point.distance(place);
-                        if distance <= self.tol && nearest.is_none_or(|best| (distance, k) < best) {
-                            nearest = Some((distance, k));
-                        }
-                    }
+        for cell in between(self.cell(place - within), self.cell(place + within)) {
+            for &k in self.cells.get(&cell).into_iter().flatten() {
+                let distance = self.parts.vertices[k as usize].point.distance(place);
+                if distance <= within && nearest.is_none_or(|best| (distance, k) < best) {
+                    nearest = Some((distance, k));
                 }
             }
         }
@@ -330,7 +405,7 @@ impl<'a> Search<'a> {
         let holds = |image: &&u32| {
             let other = &self.parts.faces[**image as usize];
             other.surface == face.surface
-                && angle(other.normal, normal) <= SYMMETRY_TURN
+                && angle(other.normal, normal) <= TURN_TOL
                 && sorted(other, &|k| k) == corners
         };
         self.of_side.get(&[a, b])?.iter().find(holds).copied()
@@ -367,9 +442,13 @@ fn permutation(count: usize, image: impl Fn(u32) -> Option<u32>) -> Option<Vec<u
     of_each.collect()
 }
 
-/// The angle between two unit vectors, radians: accurate at either end.
-pub(super) fn angle(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
+/// Whether a symmetry takes all vertices and faces, and so all edges, where the second and then the first of two others do.
+fn is_product(symmetry: &Symmetry, first: &Symmetry, second: &Symmetry) -> bool {
+    let through = |all: &[u32], first: &[u32], second: &[u32]| {
+        all.iter().zip(second).all(|(&image, &k)| first[k as usize] == image)
+    };
+    through(&symmetry.vertices, &first.vertices, &second.vertices)
+        && through(&symmetry.faces, &first.faces, &second.faces)
 }
 
 /// No more than [`MOST`] of a group that is larger, hence one of turns about an axis and maybe of half turns across it.
@@ -382,7 +461,7 @@ fn subgroup(group: &[Symmetry]) -> Vec<Symmetry> {
     };
     let Some(axis) = axis_of(&generator.motion).try_normalize() else { return group[..1].to_vec() };
     let least = generator.motion.angle();
-    // As it is exact, a remainder of 0 is.
+    // As it is a group, a remainder of 0 is exact.
     let whole = |angle: f64| (angle / least).round();
     let order = whole(TAU);
     // The turn of a motion about the axis, and whether it keeps the axis' sense.

@@ -142,6 +142,7 @@ pub(super) fn solid(points: &[DVec3], shells: Vec<Shell>) -> Model {
         mends: Vec::new(),
         size,
         asymmetry: (0.0, 0.0),
+        precision: 0.0,
         tables: super::tables::TableCache::default(),
         bvh: super::bvh::BvhCache::default(),
     }
