@@ -143,6 +143,35 @@ def test_validity_is_up_to_the_bounds():
     assert valid(cube(), turned, [touch], Slack(5.0, 0.11))[0]
 
 
+@pytest.mark.parametrize("moved", [1e-4, 1e-2])
+def test_corners_that_are_off_turn_normals_by_no_more_than_is_granted(moved):
+    """With corners moved, gaps are within those that such moves explain; narrow triangles turn far."""
+    random = np.random.default_rng(5)
+    told = []
+    for _ in range(60):
+        outline = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 0.05], [4.0, 7.0], [0.0, 8.0]])
+        solid = prism("wedge", outline, float(random.uniform(0.02, 10.0)))
+        off = random.normal(size=solid.vertices.shape)
+        off *= moved / np.linalg.norm(off, axis=1, keepdims=True)
+        other = Solid("moved", solid.vertices + off, solid.triangles)
+        for radius in (0.0, 2.0):
+            place = solid.places(random, 1)
+            normal = place.normals[0] + random.normal(scale=0.05, size=3)
+            touch = Touch(
+                tuple(place.points[0] + radius * place.normals[0]),
+                tuple(normal / np.linalg.norm(normal)),
+                float(random.uniform(0.02, 0.1)),
+                tip_radius=radius,
+            )
+            least, most, true = (
+                float(gaps(one, IDENTITY, touch, Slack(corners=corners), kinds=("face",))[0])
+                for one, corners in ((solid, moved), (solid, -moved), (other, 0.0))
+            )
+            assert least - moved <= true <= most + moved
+            told.append(math.isfinite(true) and not math.isfinite(most))
+    assert any(told) or moved < 1e-3
+
+
 def test_a_prior_is_a_box_and_a_cone():
     prior = Prior(np.eye(4), 1.0, 0.1)
     moved, far = IDENTITY.copy(), IDENTITY.copy()
@@ -307,7 +336,7 @@ def test_gaps_with_bounded_normals_agree_with_dense_sampling():
         exact = solid_oracle._vertex_gaps(
             cone,
             center[None],
-            [(axis[None], math.cos(0.25)), (-np.array(touch.approach)[None], 0.0)],
+            [(axis[None], 0.25), (-np.array(touch.approach)[None], 0.5 * math.pi)],
             radius=radius,
         )[0]
         if agree.any():

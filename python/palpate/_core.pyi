@@ -1249,7 +1249,10 @@ class Touch:
 
 @final
 class Lines:
-    """Hypotheses made ready for many lines, each numbered by its angle and its offset (3.1)."""
+    """Hypotheses made ready for many lines.
+
+    In the plane a line is given by its angle and its offset (3.1), in space by its direction and a point.
+    """
 
     def __new__(
         cls,
@@ -1263,7 +1266,7 @@ class Lines:
         margin: float = 1e-3,
         seed: int = 0,
     ) -> Lines:
-        """For lines through all that the hypotheses may occupy. In the plane only.
+        """For lines through all that the hypotheses may occupy.
 
         Args:
             hypotheses: As for `plan`.
@@ -1281,12 +1284,12 @@ class Lines:
 
     @property
     def middle(self) -> NDArray[float64]:
-        """The middle of a circle around all that any hypothesis may occupy, shape `(2,)`, world frame."""
+        """The middle of a circle or ball around all that any hypothesis may occupy, shape `(d,)`, world frame."""
     @property
     def radius(self) -> float:
-        """The radius of that circle."""
+        """The radius of that circle or ball."""
     def scores(self, angles: ArrayLike, offsets: ArrayLike) -> NDArray[float64]:
-        """The scores of a grid of lines; NaN for a line that can't be used.
+        """In the plane, the scores of a grid of lines; NaN for a line that can't be used.
 
         Args:
             angles: Of the directions of travel, shape `(a,)`; radians, world frame.
@@ -1296,18 +1299,43 @@ class Lines:
             Scores as `Path.score`, shape `(a, b)`.
 
         Raises:
-            ValueError: Another shape, or a number that is not finite.
+            ValueError: Another shape, or a number that is not finite; hypotheses in space.
         """
 
     def judge(self, angle: float, offset: float) -> Path | None:
-        """All that is to say of one line; None if `workspace` or `directions` don't allow it.
+        """In the plane, all that is to say of one line; None if `workspace` or `directions` don't allow it.
 
         Args:
             angle: Of the direction of travel; radians, world frame.
             offset: How far the line passes to the left of the middle.
 
         Raises:
-            ValueError: A number that is not finite.
+            ValueError: A number that is not finite; hypotheses in space.
+        """
+
+    def judge_through(self, direction: ArrayLike, point: ArrayLike) -> Path | None:
+        """In space, all that is to say of one line; None if `workspace` or `directions` don't allow it.
+
+        Args:
+            direction: Of travel, shape `(3,)`, world frame, of any length.
+            point: A point of the line, shape `(3,)`, world frame.
+
+        Raises:
+            ValueError: Another shape, a number that is not finite, no direction; hypotheses in the plane.
+        """
+
+    def least_scores(self, directions: ArrayLike, points: ArrayLike) -> NDArray[float64]:
+        """In space, what no judgement of a line can be below: its score if each hypothesis were at one pose. Quick.
+
+        Args:
+            directions: Of travel, shape `(n, 3)`, world frame, of any length.
+            points: A point of each line, shape `(n, 3)`, world frame.
+
+        Returns:
+            Shape `(n,)`; NaN for a line that can't be used, as `workspace`, `directions` or one of these poses says.
+
+        Raises:
+            ValueError: As `judge_through`; not as many points as directions.
         """
 
 def projection_space(

@@ -895,9 +895,11 @@ Raises:
         r"A unit vector, shape `(d,)`, world frame, and the angle from it, radians, within which outward normals at the contact are."
     };
     ("Lines") => {
-        r"Hypotheses made ready for many lines, each numbered by its angle and its offset (3.1).
+        r"Hypotheses made ready for many lines.
 
-For lines through all that the hypotheses may occupy. In the plane only.
+In the plane a line is given by its angle and its offset (3.1), in space by its direction and a point.
+
+For lines through all that the hypotheses may occupy.
 
 Args:
     hypotheses: As for `plan`.
@@ -913,13 +915,13 @@ Raises:
     ValueError: As for `plan`."
     };
     ("Lines.middle") => {
-        r"The middle of a circle around all that any hypothesis may occupy, shape `(2,)`, world frame."
+        r"The middle of a circle or ball around all that any hypothesis may occupy, shape `(d,)`, world frame."
     };
     ("Lines.radius") => {
-        r"The radius of that circle."
+        r"The radius of that circle or ball."
     };
     ("Lines.scores") => {
-        r"The scores of a grid of lines; NaN for a line that can't be used.
+        r"In the plane, the scores of a grid of lines; NaN for a line that can't be used.
 
 Args:
     angles: Of the directions of travel, shape `(a,)`; radians, world frame.
@@ -929,17 +931,40 @@ Returns:
     Scores as `Path.score`, shape `(a, b)`.
 
 Raises:
-    ValueError: Another shape, or a number that is not finite."
+    ValueError: Another shape, or a number that is not finite; hypotheses in space."
     };
     ("Lines.judge") => {
-        r"All that is to say of one line; None if `workspace` or `directions` don't allow it.
+        r"In the plane, all that is to say of one line; None if `workspace` or `directions` don't allow it.
 
 Args:
     angle: Of the direction of travel; radians, world frame.
     offset: How far the line passes to the left of the middle.
 
 Raises:
-    ValueError: A number that is not finite."
+    ValueError: A number that is not finite; hypotheses in space."
+    };
+    ("Lines.judge_through") => {
+        r"In space, all that is to say of one line; None if `workspace` or `directions` don't allow it.
+
+Args:
+    direction: Of travel, shape `(3,)`, world frame, of any length.
+    point: A point of the line, shape `(3,)`, world frame.
+
+Raises:
+    ValueError: Another shape, a number that is not finite, no direction; hypotheses in the plane."
+    };
+    ("Lines.least_scores") => {
+        r"In space, what no judgement of a line can be below: its score if each hypothesis were at one pose. Quick.
+
+Args:
+    directions: Of travel, shape `(n, 3)`, world frame, of any length.
+    points: A point of each line, shape `(n, 3)`, world frame.
+
+Returns:
+    Shape `(n,)`; NaN for a line that can't be used, as `workspace`, `directions` or one of these poses says.
+
+Raises:
+    ValueError: As `judge_through`; not as many points as directions."
     };
     ("projection_space") => {
         r#"The projection space of a face, with the best path that the planner `"ellis"` finds through it (3.1 to 3.3).

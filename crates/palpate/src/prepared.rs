@@ -78,7 +78,15 @@ impl Prepared {
 impl Prepared<DVec3> {
     /// The line of a direction through a point; `None` if it is not allowed.
     #[must_use]
-    pub fn line(&self, direction: DVec3, through: DVec3) -> Option<Line<DVec3>> {
+    pub fn along(&self, direction: DVec3, through: DVec3) -> Option<Line<DVec3>> {
         self.scene.line(direction, through)
+    }
+
+    /// No judgement of a line gives a score below this: what it leaves at one pose of each hypothesis; `None` if one of these
+    /// makes it unusable. Quick.
+    #[must_use]
+    pub fn least_score(&self, line: &Line<DVec3>) -> Option<f64> {
+        let left = self.scene.glance(line, &self.members, 1)?;
+        Some(left as f64 / self.members.len() as f64)
     }
 }

@@ -60,12 +60,14 @@ class Answer:
     def held(self, number: int, poses: Array, *, sure: bool) -> Mask:
         """Whether the oracle calls poses of a model valid: surely, or at least perhaps; `(p,)`."""
         problem, solid, model = self.problem, self.problem.solids[number], self.models[number]
+        # A mesh whose faces were made planar is that much off, and the core allows for it; what its triangles'
+        # own normals are is not known better.
+        off = model.position_slack
         if sure:
-            slack = Slack(-MARGIN * solid.size, -MARGIN)
+            slack = Slack(-MARGIN * solid.size, -MARGIN, -off)
         else:
             least = tolerance(solid, problem.contacts, TOLERANCE)
-            # A mesh whose faces were made planar is that much off, and the core allows for it.
-            slack = Slack(least.length + 2.0 * model.position_slack, least.angle + 2.0 * model.normal_slack)
+            slack = Slack(least.length + 2.0 * off, least.angle + 2.0 * model.normal_slack, off)
         return valid(
             solid,
             poses,

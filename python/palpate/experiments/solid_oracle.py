@@ -6,6 +6,8 @@ sensed normal, and `−approach · n >= 0`; if no sweep is nearer to the placed 
 the prior allows it. A triangle has one normal, a convex edge those between its faces, a convex vertex those
 between its edges.
 
+Where the corners of a mesh are known only to a length, so are its normals: those of narrow triangles least.
+
 Contacts, misses and priors are anything with the attributes of `palpate.Contact`, `palpate.Miss` and
 `palpate.Prior`.
 """
@@ -15,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -35,10 +38,15 @@ ALL_KINDS = ("face", "edge", "vertex")
 
 @dataclass(frozen=True)
 class Slack:
-    """What is allowed beyond the bounds: a length, and an angle in radians. Negative: less is allowed."""
+    """What is allowed beyond the bounds: a length, and an angle in radians. Negative: less is allowed.
+
+    `corners` is how far the corners of the part may be from where they are said to be: as much as that may
+    turn its normals is allowed. Negative: that must not matter.
+    """
 
     length: float = 0.0
     angle: float = 0.0
+    corners: float = 0.0
 
 
 NONE = Slack()
@@ -96,27 +104,34 @@ def gaps(  # noqa: PLR0917 - as above
     """
     turns, offsets = poses[:, :3, :3], np.asarray(contact.center) - poses[:, :3, 3]
     center = np.einsum("pji,pj->pi", turns, offsets)  # in the model's frame
-    bounds = []  # (direction in the model's frame, least cosine)
+    bounds = []  # (direction in the model's frame, largest angle to it)
     if contact.normal is not None:
-        least = math.cos(min(math.pi, max(0.0, contact.normal_error + slack.angle)))
-        bounds.append((np.einsum("pji,j->pi", turns, np.asarray(contact.normal)), least))
+        normal = np.einsum("pji,j->pi", turns, np.asarray(contact.normal))
+        bounds.append((normal, contact.normal_error + slack.angle))
     if getattr(contact, "approach", None) is not None:
         away = np.einsum("pji,j->pi", turns, -np.asarray(contact.approach))
-        bounds.append((away, -math.sin(slack.angle)))
+        bounds.append((away, 0.5 * math.pi + slack.angle))
     radius = float(contact.tip_radius)
     best = np.full(len(poses), np.inf)
+    doubts = partial(_doubts, moved=slack.corners)
     if "face" in kinds:
-        best = np.minimum(best, _face_gaps(solid, center, bounds, radius=radius, most=most))
+        doubt = doubts(solid.heights)
+        best = np.minimum(best, _face_gaps(solid, center, bounds, radius=radius, most=most, doubt=doubt))
     if "edge" in kinds:
-        best = np.minimum(best, _edge_gaps(solid, center, bounds, radius=radius, most=most))
+        doubt = doubts(solid.edges.heights)
+        best = np.minimum(best, _edge_gaps(solid, center, bounds, radius=radius, most=most, doubt=doubt))
     if "vertex" in kinds and solid.cones:
         apart = np.linalg.norm(center[:, None] - np.array([cone.point for cone in solid.cones]), axis=2)
+        doubt = doubts(np.array([cone.height for cone in solid.cones]))
         # Whichever normals are allowed.
-        near = np.abs(apart - radius) <= most * (1.0 + ROUNDING) + ROUNDING * solid.size
+        beyond = most * (1.0 + ROUNDING) + ROUNDING * solid.size
+        near = np.abs(apart - radius) <= beyond + radius * np.abs(doubt)
         for number in np.flatnonzero(near.any(axis=0)):
             some = near[:, number]
-            part = [(direction[some], least) for direction, least in bounds]
-            gap = _vertex_gaps(solid.cones[number], center[some], part, radius=radius)
+            part = [(direction[some], largest) for direction, largest in bounds]
+            gap = _vertex_gaps(
+                solid.cones[number], center[some], part, radius=radius, doubt=float(doubt[number])
+            )
             best[some] = np.minimum(best[some], gap)
     return best
 
@@ -124,21 +139,36 @@ def gaps(  # noqa: PLR0917 - as above
 Bounds = Sequence[tuple[Array, float]]
 
 
-def _face_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float, most: float) -> Array:
+def _doubts(heights: Array, moved: float) -> Array:
+    """By how much corners that are off turn normals where triangles are so high, radians; signed as `moved`."""
+    return np.asarray(np.copysign(np.arctan2(2.0 * abs(moved), heights), moved))
+
+
+def _least(largest: float | Array) -> Array:
+    """The least cosine of angles up to this."""
+    return np.asarray(np.cos(np.clip(largest, 0.0, math.pi)))
+
+
+def _face_gaps(
+    solid: Solid, center: Array, bounds: Bounds, *, radius: float, most: float, doubt: Array
+) -> Array:
     """Of centres `(p, 3)`, model frame, to the triangles moved out by the radius."""
     out = radius * solid.normals
     middles, radii = solid.balls
+    radii = radii + radius * np.abs(doubt)
     agree = np.broadcast_to(solid.areas > 0.0, (len(center), len(radii)))
-    for direction, least in bounds:
-        agree = agree & (direction @ solid.normals.T >= least - ON_BOUND)
+    for direction, largest in bounds:
+        agree = agree & (direction @ solid.normals.T >= _least(largest + doubt) - ON_BOUND)
     apart = np.full(agree.shape, np.inf)
     poses, triangles = np.nonzero(agree)
     apart[poses, triangles] = np.linalg.norm(center[poses] - (middles + out)[triangles], axis=1)
     placed = solid.corners + out[:, None]
-    return nearest(apart, radii, lambda p, t: to_triangles(center[p], placed[t]), most)
+    return nearest(apart, radii, lambda p, t: to_triangles(center[p], placed[t]) - radius * doubt[t], most)
 
 
-def _edge_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float, most: float) -> Array:
+def _edge_gaps(
+    solid: Solid, center: Array, bounds: Bounds, *, radius: float, most: float, doubt: Array
+) -> Array:
     """To the parts of cylinders about the convex edges whose normals are allowed.
 
     All normals of an edge are square to it, so where the tip is along it and around it are apart. Around it,
@@ -148,15 +178,17 @@ def _edge_gaps(solid: Solid, center: Array, bounds: Bounds, *, radius: float, mo
     best = np.full(len(center), np.inf)
     # From the edge itself; whichever normals are allowed, no gap is less.
     apart = np.abs(to_segments(center[:, None], edges.starts, edges.ends) - radius)
-    poses, numbers = np.nonzero(apart <= most * (1.0 + ROUNDING) + ROUNDING * solid.size)
+    beyond = most * (1.0 + ROUNDING) + ROUNDING * solid.size
+    poses, numbers = np.nonzero(apart <= beyond + radius * np.abs(doubt))
     for first in range(0, len(poses), MOST_AT_ONCE):
         pose, edge = poses[first : first + MOST_AT_ONCE], numbers[first : first + MOST_AT_ONCE]
-        part = [(direction[pose], least) for direction, least in bounds]
-        np.minimum.at(best, pose, _around_edges(edges.only(edge), center[pose], part, radius=radius))
+        part = [(direction[pose], largest + doubt[edge]) for direction, largest in bounds]
+        gap = _around_edges(edges.only(edge), center[pose], part, radius=radius, doubt=doubt[edge])
+        np.minimum.at(best, pose, gap)
     return best
 
 
-def _around_edges(edges: Edges, center: Array, bounds: Bounds, *, radius: float) -> Array:
+def _around_edges(edges: Edges, center: Array, bounds: Bounds, *, radius: float, doubt: Array) -> Array:
     """Of centres to as many edges."""
     along = edges.ends - edges.starts
     lengths = np.linalg.norm(along, axis=1)
@@ -168,12 +200,12 @@ def _around_edges(edges: Edges, center: Array, bounds: Bounds, *, radius: float)
     beyond = np.maximum(np.maximum(-at, at - lengths), 0.0)
     x, y = _dots(offset, edges.first_normals), _dots(offset, across)
     # Each range of angles as cos(angle − middle) >= least.
-    ranges = [(0.5 * width, np.cos(0.5 * width))]
-    tried = [np.arctan2(y, x), np.zeros_like(x), width]
-    for direction, least in bounds:
+    ranges = [(0.5 * width, _least(0.5 * width + doubt))]
+    tried = [np.arctan2(y, x), -doubt, width + doubt]
+    for direction, largest in bounds:
         u, v = _dots(direction, edges.first_normals), _dots(direction, across)
         size = np.maximum(np.hypot(u, v), 1e-300)
-        middle, cosine = np.arctan2(v, u), least / size
+        middle, cosine = np.arctan2(v, u), _least(largest) / size
         ranges.append((middle, cosine))
         half = np.arccos(np.clip(cosine, -1.0, 1.0))
         tried += [middle - half, middle + half]
@@ -182,14 +214,14 @@ def _around_edges(edges: Edges, center: Array, bounds: Bounds, *, radius: float)
         allowed = np.all([np.cos(angle - middle) >= least - ON_BOUND for middle, least in ranges], axis=0)
         aside = np.hypot(x - radius * np.cos(angle), y - radius * np.sin(angle))
         best = np.minimum(best, np.where(allowed, np.hypot(aside, beyond), np.inf))
-    return best
+    return np.asarray(best - radius * doubt)
 
 
 def _dots(first: Array, second: Array) -> Array:
     return np.einsum("ni,ni->n", first, second)
 
 
-def _vertex_gaps(cone: Cone, center: Array, bounds: Bounds, *, radius: float) -> Array:
+def _vertex_gaps(cone: Cone, center: Array, bounds: Bounds, *, radius: float, doubt: float = 0.0) -> Array:
     """To the part of a sphere about a convex vertex whose normals are allowed.
 
     Nearest is the direction to the centre itself, its foot on one of the circles that bound the normals, or a
@@ -198,8 +230,9 @@ def _vertex_gaps(cone: Cone, center: Array, bounds: Bounds, *, radius: float) ->
     offset = center - cone.point
     best = np.full(len(center), np.inf)
     straight = offset / np.maximum(np.linalg.norm(offset, axis=1, keepdims=True), 1e-300)
-    caps = [(np.broadcast_to(-one, center.shape), 0.0) for one in cone.leaving]
-    caps += list(bounds)
+    right = _least(0.5 * math.pi + doubt) if doubt else 0.0
+    caps = [(np.broadcast_to(-one, center.shape), float(right)) for one in cone.leaving]
+    caps += [(direction, float(_least(largest + doubt))) for direction, largest in bounds]
     # From the middle of a circle all of it is equally far: any foot will do, and the middle itself.
     tried = [straight, *(middle for middle, _ in caps)]
     for middle, least in caps:
@@ -216,7 +249,7 @@ def _vertex_gaps(cone: Cone, center: Array, bounds: Bounds, *, radius: float) ->
         allowed = unit & np.all(slip, axis=0)
         gap = np.linalg.norm(offset - radius * normal, axis=1)
         best = np.minimum(best, np.where(allowed, gap, np.inf))
-    return best
+    return best - radius * doubt
 
 
 def _square_to(middle: Array) -> Array:

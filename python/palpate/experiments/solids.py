@@ -34,12 +34,13 @@ class Places(NamedTuple):
 
 @dataclass(frozen=True)
 class Edges:
-    """Convex edges: ends `(e, 3)`, the normals of the two triangles `(e, 3)`."""
+    """Convex edges: ends `(e, 3)`, normals of the two triangles `(e, 3)`, the lesser of their heights `(e,)`."""
 
     starts: Array
     ends: Array
     first_normals: Array
     second_normals: Array
+    heights: Array
 
     def only(self, numbers: Numbers) -> Edges:
         """Those of some numbers, in their order."""
@@ -48,6 +49,7 @@ class Edges:
             self.ends[numbers],
             self.first_normals[numbers],
             self.second_normals[numbers],
+            self.heights[numbers],
         )
 
 
@@ -55,12 +57,14 @@ class Edges:
 class Cone:
     """A convex vertex: `n` is a normal there iff `n · leaving <= 0` for all ways that leave it.
 
-    `leaving` has shape `(k, 3)`; `rays` are the corners of that cone, `(j, 3)`, unit.
+    `leaving` has shape `(k, 3)`; `rays` are the corners of that cone, `(j, 3)`, unit; `height` is the least of
+    the triangles there.
     """
 
     point: Array
     leaving: Array
     rays: Array
+    height: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +99,12 @@ class Solid:
         lengths = np.linalg.norm(self._crosses, axis=1, keepdims=True)
         units = np.divide(self._crosses, lengths, out=np.zeros_like(self._crosses), where=lengths > 0.0)
         return np.asarray(units)
+
+    @cached_property
+    def heights(self) -> Array:
+        """The least of each triangle, `(t,)`."""
+        longest = np.linalg.norm(self.corners - np.roll(self.corners, 1, axis=1), axis=2).max(axis=1)
+        return np.asarray(2.0 * self.areas / longest)
 
     @cached_property
     def balls(self) -> tuple[Array, Array]:
@@ -167,7 +177,8 @@ class Solid:
         # Seen along a side from its start to its end, its own triangle is on the left.
         turn = np.einsum("si,si->s", np.cross(first, second), ends - starts)
         convex = turn > THIN * np.linalg.norm(ends - starts, axis=1)
-        return Edges(starts[convex], ends[convex], first[convex], second[convex])
+        heights = self.heights[twos].min(axis=1)
+        return Edges(starts[convex], ends[convex], first[convex], second[convex], heights[convex])
 
     @cached_property
     def cones(self) -> list[Cone]:
@@ -199,7 +210,8 @@ class Solid:
         above = self.vertices[vertex] + 1e-3 * lengths.min() * middle / np.linalg.norm(middle)
         if winding(self, above[None])[0] > 0.5:
             return None
-        return Cone(self.vertices[vertex], directions, rays)
+        height = float(self.heights[(self.triangles == vertex).any(axis=1)].min())
+        return Cone(self.vertices[vertex], directions, rays, height)
 
     def moved_to(self, across: float) -> Solid:
         """The same part, so many across, the middle of its box at the origin."""
