@@ -140,7 +140,7 @@ Bounds = Sequence[tuple[Array, float]]
 
 
 def _doubts(heights: Array, moved: float) -> Array:
-    """By how much corners that are off turn normals where triangles are so high, radians; signed as `moved`."""
+    """By how much corners that are off turn normals of triangles so high, radians; signed as `moved`."""
     return np.asarray(np.copysign(np.arctan2(2.0 * abs(moved), heights), moved))
 
 

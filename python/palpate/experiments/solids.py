@@ -34,7 +34,7 @@ class Places(NamedTuple):
 
 @dataclass(frozen=True)
 class Edges:
-    """Convex edges: ends `(e, 3)`, normals of the two triangles `(e, 3)`, the lesser of their heights `(e,)`."""
+    """Convex edges: ends `(e, 3)`, the two triangles' normals `(e, 3)`, the lesser of their heights `(e,)`."""
 
     starts: Array
     ends: Array
@@ -57,8 +57,8 @@ class Edges:
 class Cone:
     """A convex vertex: `n` is a normal there iff `n · leaving <= 0` for all ways that leave it.
 
-    `leaving` has shape `(k, 3)`; `rays` are the corners of that cone, `(j, 3)`, unit; `height` is the least of
-    the triangles there.
+    `leaving` has shape `(k, 3)`; `rays` are the corners of that cone, `(j, 3)`, unit; `height` is the least
+    of the triangles there.
     """
 
     point: Array
