@@ -60,8 +60,8 @@ class Answer:
     def held(self, number: int, poses: Array, *, sure: bool) -> Mask:
         """Whether the oracle calls poses of a model valid: surely, or at least perhaps; `(p,)`."""
         problem, solid, model = self.problem, self.problem.solids[number], self.models[number]
-        # A mesh whose faces were made planar is that much off, and the core allows for it; what the normals of
-        # its triangles are is not known better.
+        # A mesh whose faces were made planar is that much off, and the core allows for it; the normals of its
+        # triangles are not known better.
         off = model.position_slack
         if sure:
             slack = Slack(-MARGIN * solid.size, -MARGIN, -off)

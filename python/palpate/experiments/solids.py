@@ -34,7 +34,7 @@ class Places(NamedTuple):
 
 @dataclass(frozen=True)
 class Edges:
-    """Convex edges: ends `(e, 3)`, the two triangles' normals `(e, 3)`, the lesser of their heights `(e,)`."""
+    """Convex edges: ends `(e, 3)`, two normals `(e, 3)`, the lesser height of the two triangles `(e,)`."""
 
     starts: Array
     ends: Array
