@@ -261,6 +261,13 @@ class Model:
     def normal_slack(self) -> float:
         """Added to every contact's normal error; radians."""
     @property
+    def asymmetry(self) -> tuple[float, float]:
+        """By how much `symmetries` miss at most: a length, and an angle in radians; rounding, where corners are exact.
+
+        Without a prior a pose stands for its images, and what is said of poses holds with every contact's bounds widened by
+        twice of this.
+        """
+    @property
     def mends(self) -> list[str]:
         """What was mended when it was read and made, one line each."""
     @property
@@ -1324,18 +1331,34 @@ class Lines:
             ValueError: Another shape, a number that is not finite, no direction; hypotheses in the plane.
         """
 
-    def least_scores(self, directions: ArrayLike, points: ArrayLike) -> NDArray[float64]:
-        """In space, what no judgement of a line can be below: its score if each hypothesis were at one pose. Quick.
+    def scores_through(self, directions: ArrayLike, points: ArrayLike) -> NDArray[float64]:
+        """In space, the scores of many lines; NaN for a line that can't be used.
 
         Args:
             directions: Of travel, shape `(n, 3)`, world frame, of any length.
             points: A point of each line, shape `(n, 3)`, world frame.
 
         Returns:
-            Shape `(n,)`; NaN for a line that can't be used, as `workspace`, `directions` or one of these poses says.
+            Scores as `Path.score`, shape `(n,)`.
 
         Raises:
             ValueError: As `judge_through`; not as many points as directions.
+        """
+
+    def least_scores(self, directions: ArrayLike, points: ArrayLike) -> NDArray[float64]:
+        """In space, what no score of a line can be below: what it would be if each hypothesis were at one pose.
+
+        It is quick.
+
+        Args:
+            directions: As for `scores_through`.
+            points: As for `scores_through`.
+
+        Returns:
+            Shape `(n,)`; NaN for a line that can't be used, as `workspace`, `directions` or one of these poses says.
+
+        Raises:
+            ValueError: As `scores_through`.
         """
 
 def projection_space(

@@ -153,6 +153,12 @@ all in the plane have none."
     ("Model.normal_slack") => {
         r"Added to every contact's normal error; radians."
     };
+    ("Model.asymmetry") => {
+        r"By how much `symmetries` miss at most: a length, and an angle in radians; rounding, where corners are exact.
+
+Without a prior a pose stands for its images, and what is said of poses holds with every contact's bounds widened by
+twice of this."
+    };
     ("Model.mends") => {
         r"What was mended when it was read and made, one line each."
     };
@@ -953,18 +959,33 @@ Args:
 Raises:
     ValueError: Another shape, a number that is not finite, no direction; hypotheses in the plane."
     };
-    ("Lines.least_scores") => {
-        r"In space, what no judgement of a line can be below: its score if each hypothesis were at one pose. Quick.
+    ("Lines.scores_through") => {
+        r"In space, the scores of many lines; NaN for a line that can't be used.
 
 Args:
     directions: Of travel, shape `(n, 3)`, world frame, of any length.
     points: A point of each line, shape `(n, 3)`, world frame.
 
 Returns:
-    Shape `(n,)`; NaN for a line that can't be used, as `workspace`, `directions` or one of these poses says.
+    Scores as `Path.score`, shape `(n,)`.
 
 Raises:
     ValueError: As `judge_through`; not as many points as directions."
+    };
+    ("Lines.least_scores") => {
+        r"In space, what no score of a line can be below: what it would be if each hypothesis were at one pose.
+
+It is quick.
+
+Args:
+    directions: As for `scores_through`.
+    points: As for `scores_through`.
+
+Returns:
+    Shape `(n,)`; NaN for a line that can't be used, as `workspace`, `directions` or one of these poses says.
+
+Raises:
+    ValueError: As `scores_through`."
     };
     ("projection_space") => {
         r#"The projection space of a face, with the best path that the planner `"ellis"` finds through it (3.1 to 3.3).

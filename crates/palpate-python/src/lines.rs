@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use glam::{DVec2, DVec3};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use palpate::plan::normalized;
-use palpate::{Error, Prepared};
+use palpate::{Error, Line, Prepared};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
@@ -106,6 +106,16 @@ impl PyLines {
         Ok(path.map(|path| PyPath::new(In::Space(path), self.tip_radius)))
     }
 
+    #[doc = doc!("Lines.scores_through")]
+    fn scores_through<'py>(
+        &self,
+        py: Python<'py>,
+        directions: &Any<'py>,
+        points: &Any<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.of_each(py, "scores_through", directions, points, Prepared::score)
+    }
+
     #[doc = doc!("Lines.least_scores")]
     fn least_scores<'py>(
         &self,
@@ -113,28 +123,7 @@ impl PyLines {
         directions: &Any<'py>,
         points: &Any<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let prepared = self.spatial("least_scores")?;
-        let given: Vec<DVec3> = vectors("directions", directions)?;
-        let points: Vec<DVec3> = vectors("points", points)?;
-        if given.len() != points.len() {
-            let problem = format!("must be as many as directions, which are {}", given.len());
-            return Err(raise(Error::new("points", problem, points.len(), "give one for each direction")));
-        }
-        if let Some(k) = given.iter().position(|one| normalized(*one).is_none()) {
-            let name = format!("directions[{k}]");
-            return Err(raise(Error::new(name, "has no direction", tuple(given[k]), "give a longer vector")));
-        }
-        let scores = interruptible(py, |halt| {
-            let least = |(direction, point): (&DVec3, &DVec3)| {
-                if halt.load(Ordering::Relaxed) {
-                    return f64::NAN;
-                }
-                let line = normalized(*direction).and_then(|one| prepared.along(one, *point));
-                line.and_then(|line| prepared.least_score(&line)).unwrap_or(f64::NAN)
-            };
-            given.par_iter().zip(&points).map(least).collect::<Vec<f64>>()
-        })?;
-        Ok(PyArray1::from_vec(py, scores))
+        self.of_each(py, "least_scores", directions, points, Prepared::<DVec3>::least_score)
     }
 
     fn __repr__(&self) -> String {
@@ -161,5 +150,39 @@ impl PyLines {
                 Err(raise(Error::new(what, "works in space only", "hypotheses in the plane", remedy)))
             }
         }
+    }
+
+    /// A number of each line of space; NaN where there is none.
+    fn of_each<'py>(
+        &self,
+        py: Python<'py>,
+        what: &str,
+        directions: &Any<'py>,
+        points: &Any<'py>,
+        number: impl Fn(&Prepared<DVec3>, &Line<DVec3>) -> Option<f64> + Sync,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let prepared = self.spatial(what)?;
+        let given: Vec<DVec3> = vectors("directions", directions)?;
+        let points: Vec<DVec3> = vectors("points", points)?;
+        if given.len() != points.len() {
+            let problem = format!("must be as many as directions, which are {}", given.len());
+            return Err(raise(Error::new("points", problem, points.len(), "give one for each direction")));
+        }
+        if let Some(k) = given.iter().position(|one| normalized(*one).is_none()) {
+            let name = format!("directions[{k}]");
+            let remedy = "give a direction, of any length";
+            return Err(raise(Error::new(name, "must not be zero", tuple(given[k]), remedy)));
+        }
+        let numbers = interruptible(py, |halt| {
+            let of_line = |(direction, point): (&DVec3, &DVec3)| {
+                if halt.load(Ordering::Relaxed) {
+                    return f64::NAN;
+                }
+                let line = normalized(*direction).and_then(|one| prepared.along(one, *point));
+                line.and_then(|line| number(prepared, &line)).unwrap_or(f64::NAN)
+            };
+            given.par_iter().zip(&points).map(of_line).collect::<Vec<f64>>()
+        })?;
+        Ok(PyArray1::from_vec(py, numbers))
     }
 }

@@ -380,6 +380,12 @@ impl PyModel {
         either!(&self.model, model => model.normal_slack)
     }
 
+    #[doc = doc!("Model.asymmetry")]
+    #[getter]
+    fn asymmetry(&self) -> (f64, f64) {
+        either!(&self.model, model => model.asymmetry)
+    }
+
     #[doc = doc!("Model.mends")]
     #[getter]
     fn mends(&self) -> Vec<&str> {

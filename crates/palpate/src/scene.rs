@@ -260,13 +260,24 @@ impl<V: Dimension> Scene<V> {
         enough: usize,
         joined: impl Fn(usize, usize) -> bool,
     ) -> bool {
+        self.left_below(line, members, enough, joined).is_some()
+    }
+
+    /// The pairs of members that a line leaves, if it can be used and they are fewer than so many; else as `leaves_fewer`.
+    pub fn left_below(
+        &self,
+        line: &Line<V>,
+        members: &[usize],
+        enough: usize,
+        joined: impl Fn(usize, usize) -> bool,
+    ) -> Option<usize> {
         let mut outcomes: Vec<Outcome<V>> = Vec::with_capacity(members.len());
         let known = (0..members.len()).map(|k| (0..k).filter(|j| joined(*j, k)).count()).sum::<usize>();
         let mut left = members.len() + 2 * known;
         for (k, &member) in members.iter().enumerate() {
             let outcome = self.outcome(line, member, 0.0, f64::INFINITY);
             if outcome.fault.is_some() {
-                return false;
+                return None;
             }
             for (j, other) in outcomes.iter().enumerate() {
                 if !joined(j, k) && !other.separated(&outcome, &self.sensor) {
@@ -274,11 +285,11 @@ impl<V: Dimension> Scene<V> {
                 }
             }
             if left >= enough {
-                return false;
+                return None;
             }
             outcomes.push(outcome);
         }
-        true
+        Some(left)
     }
 
     /// The verdict on a line among the members; `None` if it can't be used.

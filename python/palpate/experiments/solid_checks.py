@@ -61,13 +61,15 @@ class Answer:
         """Whether the oracle calls poses of a model valid: surely, or at least perhaps; `(p,)`."""
         problem, solid, model = self.problem, self.problem.solids[number], self.models[number]
         # A mesh whose faces were made planar is that much off, and the core allows for it; the normals of its
-        # triangles are not known better.
+        # triangles are not known better. So is a part that is nearly symmetric, where a pose stands for its images.
         off = model.position_slack
+        missed, turned = (0.0, 0.0) if problem.prior else model.asymmetry
         if sure:
             slack = Slack(-MARGIN * solid.size, -MARGIN, -off)
         else:
             least = tolerance(solid, problem.contacts, TOLERANCE)
-            slack = Slack(least.length + 2.0 * off, least.angle + 2.0 * model.normal_slack, off)
+            length, angle = off + missed, model.normal_slack + turned
+            slack = Slack(least.length + 2.0 * length, least.angle + 2.0 * angle, off + missed)
         return valid(
             solid,
             poses,

@@ -68,7 +68,7 @@ pub struct Model {
     /// The largest distance between two of its vertices.
     pub size: f64,
     /// By how much its symmetries miss, at most: a corner its image, and a face's normal, radians.
-    pub(super) asymmetry: (f64, f64),
+    pub asymmetry: (f64, f64),
     /// Its pair tables, made when first needed.
     pub(super) tables: TableCache,
 }

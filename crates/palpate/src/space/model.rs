@@ -115,7 +115,7 @@ pub struct Model {
     /// The largest distance between two of its vertices.
     pub size: f64,
     /// By how much its symmetries miss, at most: a corner its image, and a normal where it should be, radians.
-    pub(super) asymmetry: (f64, f64),
+    pub asymmetry: (f64, f64),
     /// How well its corners are known, tessellation aside.
     pub(super) precision: f64,
     /// Its pair tables, made when first needed.

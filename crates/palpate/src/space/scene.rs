@@ -56,9 +56,7 @@ impl Scene<DVec3> {
 
     /// Allowed directions, evenly spread: as many as would be `count` if all were (a Fibonacci lattice).
     pub fn directions(&self, count: usize) -> impl Iterator<Item = DVec3> + use<> {
-        let (axis, cone) = self.directions.unwrap_or((DVec3::Z, PI));
-        let turn = DQuat::from_rotation_arc(DVec3::Z, normalized(axis).unwrap_or(DVec3::Z));
-        let share = 0.5 * (1.0 - cone.cos());
+        let (turn, share) = self.cone();
         let count = (count as f64 * share).ceil().max(1.0);
         let golden = PI * (3.0 - 5_f64.sqrt());
         let direction = move |k: f64| {
@@ -68,6 +66,22 @@ impl Scene<DVec3> {
             turn * DVec3::new(across * cosine, across * sine, height)
         };
         std::iter::successors(Some(0.0), |k| Some(k + 1.0)).take_while(move |k| *k < count).map(direction)
+    }
+
+    /// One of the allowed directions, which are even if the two numbers are, from 0 to 1.
+    pub fn drawn_direction(&self, [along, around]: [f64; 2]) -> DVec3 {
+        let (turn, share) = self.cone();
+        let height = 1.0 - 2.0 * share * along;
+        let across = (1.0 - height * height).max(0.0).sqrt();
+        let (sine, cosine) = (2.0 * PI * around).sin_cos();
+        turn * DVec3::new(across * cosine, across * sine, height)
+    }
+
+    /// What turns the z axis to that of the allowed directions, and their share of all.
+    fn cone(&self) -> (DQuat, f64) {
+        let (axis, cone) = self.directions.unwrap_or((DVec3::Z, PI));
+        let turn = DQuat::from_rotation_arc(DVec3::Z, normalized(axis).unwrap_or(DVec3::Z));
+        (turn, 0.5 * (1.0 - cone.cos()))
     }
 
     /// Pairs that a line leaves, seen from so many views of each member at most: no judgement can be better. `None` if one of
@@ -94,14 +108,14 @@ impl Scene<DVec3> {
     }
 
     /// Whether a first contact gives a reading, and breaks no rule.
-    fn is_reliable(&self, member: usize, line: &Line<DVec3>, found: FirstContact<DVec3>) -> bool {
+    pub(super) fn is_reliable(&self, member: usize, line: &Line<DVec3>, found: FirstContact<DVec3>) -> bool {
         found.touchable
             && Dimension::angle_between(found.normal, -line.direction) <= self.sensor.max_incidence
             && self.unwanted(member, found.feature).is_none()
     }
 
     /// Whether two exact readings, either wrong by its bounds, may be the same; `None` is a miss.
-    fn alike(&self, a: Option<FirstContact<DVec3>>, b: Option<FirstContact<DVec3>>) -> bool {
+    pub(super) fn alike(&self, a: Option<FirstContact<DVec3>>, b: Option<FirstContact<DVec3>>) -> bool {
         match (a, b) {
             (None, None) => true,
             (Some(a), Some(b)) => self

@@ -1,5 +1,6 @@
 //! Planners propose lines; the judge says what they are worth.
 
+mod drawn;
 mod polish;
 mod rendering;
 mod sweep;
@@ -11,7 +12,7 @@ use crate::plan::PlanSettings;
 
 /// Offers lines to `best`, as the settings say.
 pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
-    sweep::sweep(best, settings, late);
+    drawn::draw(best, settings, late);
 }
 
 #[cfg(test)]
