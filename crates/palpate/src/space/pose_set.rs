@@ -243,11 +243,14 @@ impl PoseSet {
     pub fn sample(&self, count: usize, seed: u64) -> Vec<Pose> {
         let mut rng = fastrand::Rng::with_seed(seed);
         let (length, angle) = (self.case.length_tolerance, self.case.angle_tolerance);
+        let proved = self.witnesses().any(|witness| witness.is_decided());
         let mut walks: Vec<(usize, PivotPose)> = self
             .pieces
             .iter()
             .enumerate()
             .filter_map(|(number, piece)| Some((number, piece.witness?)))
+            // Where a search was cut short its pose may be none.
+            .filter(|(_, witness)| witness.is_decided() || !proved)
             .map(|(number, witness)| (number, witness.pose))
             .collect();
         let mut extents: Vec<Option<(f64, f64)>> = vec![None; walks.len()];
