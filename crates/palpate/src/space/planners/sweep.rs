@@ -107,7 +107,7 @@ pub(super) fn sweep(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, 
 }
 
 /// Directions that are allowed: against the normals of the members' faces, and so many as would be `count` all around.
-fn directions(scene: &Scene<DVec3>, members: &[usize], count: usize) -> Vec<DVec3> {
+pub(super) fn directions(scene: &Scene<DVec3>, members: &[usize], count: usize) -> Vec<DVec3> {
     let mut chosen: Vec<DVec3> = Vec::new();
     for &member in members {
         let pose = scene.views[member][0];
