@@ -134,9 +134,8 @@ impl<'a> Volume<'a> {
         }
         let model = scene.shadows[member].model();
         let world_from_model = scene.views[member][0];
-        let holds = |cell: usize| {
-            model.signed_distance(world_from_model.inverse().apply(grid.center(cell))) < 0.0
-        };
+        let holds =
+            |cell: usize| model.signed_distance(world_from_model.inverse().apply(grid.center(cell))) < 0.0;
         for (cell, is_extended) in extended.iter().enumerate() {
             self.occupied[cell] |= is_extended;
             self.depth[cell] += u32::from(*is_extended && !model.closed);
@@ -205,7 +204,11 @@ fn walls(scene: &Scene<DVec3>, place: usize, member: usize) -> Vec<Wall> {
         let unwanted = scene.unwanted(member, crate::Feature::Face(number as u32)).is_some();
         Wall {
             member: place,
-            pieces: face.pieces.iter().map(|piece| piece.iter().map(|k| corner(&first, k)).collect()).collect(),
+            pieces: face
+                .pieces
+                .iter()
+                .map(|piece| piece.iter().map(|k| corner(&first, k)).collect())
+                .collect(),
             normal,
             offset: corners().next().map_or(0.0, |k| normal.dot(corner(&first, k))),
             half: views.iter().map(turned).fold(0.0, f64::max) + model.normal_slack,
@@ -264,4 +267,71 @@ impl Wall {
 #[expect(clippy::cast_sign_loss, reason = "below zero it saturates at zero, as is meant")]
 fn whole(value: f64) -> usize {
     value as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{blocks, sensor};
+    use super::*;
+    use crate::PlanSettings;
+
+    /// Cells clear of the faces are held by exactly those parts that hold their middles, and what a part holds is occupied.
+    #[test]
+    fn cells_are_held_by_what_goes_around_them() {
+        let hypotheses = blocks();
+        let scene = Scene::new(&hypotheses, &sensor(), &PlanSettings::default());
+        let members = scene.everyone();
+        let volume = Volume::new(&scene, &members, 24, &|| false).expect("time is not limited");
+        let (mut num_held, mut num_empty) = (0, 0);
+        for cell in 0..volume.depth.len() {
+            let clearance = |member: &usize| {
+                let model = scene.shadows[*member].model();
+                model.signed_distance(scene.views[*member][0].inverse().apply(volume.grid.center(cell)))
+            };
+            let clearances: Vec<f64> = members.iter().map(clearance).collect();
+            let inside = clearances.iter().filter(|one| **one < 0.0).count();
+            assert!(volume.depth[cell] as usize <= inside);
+            assert!(inside == 0 || volume.occupied[cell]);
+            // Regions reach no farther than this from their faces, with room for the corners.
+            let far = 4.0 * (HALF_DIAGONAL * volume.grid.step + 1.0);
+            if clearances.iter().all(|one| one.abs() > far) {
+                assert!(inside == 0 && !volume.occupied[cell]);
+                num_empty += 1;
+            }
+            if volume.covers[cell].is_empty() {
+                assert_eq!(volume.depth[cell] as usize, inside);
+                assert_eq!(volume.occupied[cell], inside > 0);
+                num_held += usize::from(inside > 0);
+            }
+        }
+        assert!(num_held > 0 && num_empty > 100, "{num_held} {num_empty}");
+    }
+
+    /// Every place of a face, at every view, is in a cell that the face covers.
+    #[test]
+    fn faces_are_in_the_cells_that_they_cover() {
+        let hypotheses = blocks();
+        let scene = Scene::new(&hypotheses, &sensor(), &PlanSettings::default());
+        let members = scene.everyone();
+        let volume = Volume::new(&scene, &members, 32, &|| false).expect("time is not limited");
+        let mut random = crate::space::shapes::Random(5);
+        let mut number = 0;
+        for member in members {
+            let model = scene.shadows[member].model();
+            for face in &model.faces {
+                for view in &scene.views[member] {
+                    let [a, b, c] = [0, 1, 2].map(|k| model.vertices[face.pieces[0][k] as usize].point);
+                    for _ in 0..40 {
+                        let (u, v) = (random.next(), random.next());
+                        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+                        let at = view.apply(a + u * (b - a) + v * (c - a));
+                        let cell = volume.grid.cell(at).expect("all is in the grid");
+                        assert!(volume.covers[cell].contains(&number));
+                    }
+                }
+                number += 1;
+            }
+        }
+        assert_eq!(number as usize, volume.walls.len());
+    }
 }

@@ -1,8 +1,10 @@
 //! Planners propose lines; the judge says what they are worth.
 
+mod blocking;
 mod grimson;
 mod polish;
 mod rendering;
+mod schneiter;
 mod sweep;
 
 use glam::DVec3;
@@ -14,6 +16,7 @@ use crate::plan::{PlanSettings, Planner};
 pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
     match settings.planner {
         Planner::Grimson { cells, directions } => grimson::grimson(best, [cells, directions], settings, late),
+        Planner::Schneiter { cells } => schneiter::schneiter(best, cells, settings, late),
         // `Auto`: the settings were checked.
         _ => sweep::sweep(best, settings, late),
     }

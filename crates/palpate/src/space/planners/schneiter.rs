@@ -271,3 +271,40 @@ impl Search<'_> {
         num_blocked + num_passed_by * num_passed_by.saturating_sub(1) / 2
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::tests::{blocks, sensor};
+    use super::*;
+    use crate::space::Pose;
+
+    /// Of two blocks that stand alike only the tops, and the sides above the lower one, let paths through.
+    #[test]
+    fn channels_are_where_the_blocks_differ() {
+        let mut hypotheses = blocks();
+        hypotheses.retain(|one| one.poses.contains(Pose::IDENTITY));
+        let settings = PlanSettings::default();
+        let scene = Scene::new(&hypotheses, &sensor(), &settings);
+        let members = scene.everyone();
+        let volume = Volume::new(&scene, &members, 48, &|| false).expect("time is not limited");
+        let channels = channels(&volume);
+        assert!(channels.len() >= 6);
+        let tops = channels.iter().filter(|channel| channel.normal.z > 0.9).count();
+        assert!(tops >= 2);
+        // Cells are coarser than what the planes say: a side is blocked up to a cell above the lower block.
+        let lowest = 12.0 - 2.0 * volume.grid.step;
+        for channel in &channels {
+            assert!(channel.at.z > lowest, "{} along {}", channel.at, channel.normal);
+        }
+
+        // From above both are told apart; from below, and from the side, they are not, and beside them nothing is met.
+        let search = Search { scene: &scene, volume: &volume, num_members: 2, deepest: 2 };
+        let traced = |direction: DVec3, start: DVec3| search.trace(&Line { start, direction });
+        assert_eq!(traced(-DVec3::Z, DVec3::new(15.0, 10.0, 50.0)), Some(0));
+        assert_eq!(traced(DVec3::Z, DVec3::new(15.0, 10.0, -50.0)), Some(1));
+        assert_eq!(traced(DVec3::X, DVec3::new(-50.0, 10.0, 6.0)), Some(1));
+        assert_eq!(traced(DVec3::X, DVec3::new(-50.0, 30.0, 6.0)), None);
+    }
+}
