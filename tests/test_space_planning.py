@@ -101,49 +101,50 @@ TOUCHED = [
 SPACE_PLANNERS = ("auto", "grimson", "schneiter")
 
 
+LEFT = palpate.recognize(PARTS, TOUCHED).hypotheses
+BLUNT = palpate.Sensor(0.5, math.radians(4), math.radians(60))
+
+
 @pytest.mark.parametrize("planner", SPACE_PLANNERS)
 def test_every_planner_of_space_finds_what_tells_all_apart(planner):
-    sensor = palpate.Sensor(0.5, math.radians(4), math.radians(60))
-    left = palpate.recognize(PARTS, TOUCHED).hypotheses
-    report = palpate.plan_report(left, sensor, planner=planner)
-    assert len(left) > 1 and report.path.score == 1.0 and report.why == "perfect"
-    again = palpate.judge(left, sensor, report.path.start, report.path.direction, report.path.length)
+    report = palpate.plan_report(LEFT, BLUNT, planner=planner)
+    assert len(LEFT) > 1 and report.path.score == 1.0 and report.why == "perfect"
+    again = palpate.judge(LEFT, BLUNT, report.path.start, report.path.direction, report.path.length)
     assert again == report.path and not again.faults
 
 
 @pytest.mark.parametrize("planner", SPACE_PLANNERS)
-def test_every_planner_of_space_heeds_what_is_allowed(planner):
-    options = {"directions": (-NORMAL, 1.0), "workspace": [(-500,) * 3, (500,) * 3], "planner": planner}
-    path = palpate.plan(FOUND, SENSOR, **options)
-    assert path.score < len(FOUND) and not path.faults
-    assert float(path.direction @ -NORMAL) >= math.cos(1.0) - 1e-9
+@pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (0, -1, 0)])
+def test_every_planner_of_space_heeds_what_is_allowed(planner, axis):
+    options = {"directions": (axis, 1.0), "workspace": [(-500,) * 3, (500,) * 3], "planner": planner}
+    path = palpate.plan(LEFT, BLUNT, **options)
+    assert path.score < len(LEFT) and not path.faults
+    assert float(path.direction @ axis) >= math.cos(1.0) - 1e-9
     assert np.max(np.abs(path.start)) == pytest.approx(500)
-    assert palpate.plan(FOUND, SENSOR, **options) == path
-    assert palpate.plan_report(FOUND, SENSOR, **options, effort=2).num_judged <= 2
-    assert palpate.plan_report(FOUND, SENSOR, **options, time_limit=1e-9).path is None
+    assert palpate.plan(LEFT, BLUNT, **options) == path
+    assert palpate.plan_report(LEFT, BLUNT, **options, effort=2).num_judged <= 2
+    assert palpate.plan_report(LEFT, BLUNT, **options, time_limit=1e-9).path is None
 
 
 def test_grids_of_space_are_its_own():
     for planner, cells in (("grimson", 32), ("schneiter", 48)):
-        usual = palpate.plan(FOUND, SENSOR, planner=planner)
-        assert palpate.plan(FOUND, SENSOR, planner=planner, cells=cells) == usual
-        assert palpate.plan(FOUND, SENSOR, planner=planner, cells=9) != usual
-    usual = palpate.plan(FOUND, SENSOR, planner="grimson")
-    assert palpate.plan(FOUND, SENSOR, planner="grimson", directions_tried=96) == usual
+        usual = palpate.plan(LEFT, BLUNT, planner=planner)
+        assert palpate.plan(LEFT, BLUNT, planner=planner, cells=cells) == usual
+        assert palpate.plan(LEFT, BLUNT, planner=planner, cells=9) != usual
+    usual = palpate.plan(LEFT, BLUNT, planner="grimson")
+    assert palpate.plan(LEFT, BLUNT, planner="grimson", directions_tried=96) == usual
 
 
 def test_a_planned_touch_leaves_the_truth_alone():
-    left = palpate.recognize(PARTS, TOUCHED).hypotheses
-    sensor = palpate.Sensor(0.5, math.radians(4), math.radians(60))
-    path = palpate.plan(left, sensor)
-    assert len(left) > 1 and path.score == 1.0
+    path = palpate.plan(LEFT, BLUNT)
+    assert len(LEFT) > 1 and path.score == 1.0
     document = path_entry(path)
     assert "angle_deg" not in document and len(document["direction"]) == 3
     schema = json.loads((files(palpate) / "schemas" / "plan-1.json").read_text(encoding="utf-8"))
     jsonschema.validate(document, {"$ref": "#/$defs/path", "$defs": schema["$defs"]})
-    for number, hypothesis in enumerate(left):
+    for number, hypothesis in enumerate(LEFT):
         for seed, pose in enumerate(hypothesis.poses.sample(3, seed=2)):
-            probe = palpate.SimulatedProbe(hypothesis.model, pose, sensor, seed=seed, noise="bounds")
+            probe = palpate.SimulatedProbe(hypothesis.model, pose, BLUNT, seed=seed, noise="bounds")
             reply = probe.touch(path.start, path.end)
             contact = reply.contact if isinstance(reply, palpate.Hit) else None
             assert path.outcome_of(contact) == [number]
