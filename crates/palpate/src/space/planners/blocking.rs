@@ -265,7 +265,7 @@ impl Wall {
 
 /// The largest whole number up to a value; zero if there is none.
 #[expect(clippy::cast_sign_loss, reason = "below zero it saturates at zero, as is meant")]
-fn whole(value: f64) -> usize {
+pub(super) fn whole(value: f64) -> usize {
     value as usize
 }
 

@@ -19,13 +19,13 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::rendering::{Grid, Rendering as View};
+use super::rendering::{Grid, Rendering as View, usable_normals};
 use super::sweep::directions;
-use crate::Feature;
 use crate::best::Best;
 use crate::line::Line;
 use crate::plan::PlanSettings;
 use crate::scene::Scene;
+use crate::space::Pose;
 use crate::tree::Range;
 
 /// So many poses of each hypothesis are rendered.
@@ -141,17 +141,11 @@ impl<'a> Rendering<'a> {
     fn new(scene: &'a Scene<DVec3>, members: &'a [usize], grid: Grid) -> Self {
         let image = |member: &usize| {
             let model = scene.shadows[*member].model();
-            let views = scene.views[*member].iter().take(NUM_RENDERED);
-            views
-                .map(|pose| {
-                    let normal = |(number, face): (usize, &crate::space::Face)| {
-                        let unwanted = scene.unwanted(*member, Feature::Face(number as u32)).is_some();
-                        (face.is_touchable() && !unwanted).then(|| pose.rotation * face.normal)
-                    };
-                    let normals = model.faces.iter().enumerate().map(normal).collect();
-                    (grid.render(model, *pose, scene.sensor.tip_radius), normals)
-                })
-                .collect()
+            let view = |pose: &Pose| {
+                let normals = usable_normals(scene, *member, *pose);
+                (grid.render(model, *pose, scene.sensor.tip_radius), normals)
+            };
+            scene.views[*member].iter().take(NUM_RENDERED).map(view).collect()
         };
         let images = members.iter().map(image).collect();
         let mut rendering = Self { scene, members, grid, images, regions: Vec::new() };
@@ -285,16 +279,11 @@ fn confuses(scene: &Scene<DVec3>, depth: f64, chord: f64) -> bool {
 impl Span {
     fn of(seen: Seen) -> Self {
         let none = Range { low: f64::INFINITY, high: f64::NEG_INFINITY };
-        match seen {
-            Some((depth, normal)) => {
-                let depth = Range { low: depth, high: depth };
-                Self { depth, normals: [normal; 2], hits: true, misses: false }
-            }
-            None => {
-                let normals = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-                Self { depth: none, normals, hits: false, misses: true }
-            }
+        if let Some((depth, normal)) = seen {
+            let depth = Range { low: depth, high: depth };
+            return Self { depth, normals: [normal; 2], hits: true, misses: false };
         }
+        Self { depth: none, normals: [DVec3::INFINITY, DVec3::NEG_INFINITY], hits: false, misses: true }
     }
 
     fn joined(&self, other: &Self) -> Self {
@@ -317,14 +306,15 @@ impl Span {
     }
 
     fn surely_apart(&self, other: &Self, scene: &Scene<DVec3>) -> bool {
+        if self.misses && other.misses {
+            return false;
+        }
         if !self.hits || !other.hits {
-            return !(self.misses && other.misses);
+            return true;
         }
         let ([a, b], [c, d]) = (self.normals, other.normals);
         let nearest = (self.depth.low - other.depth.high).max(other.depth.low - self.depth.high).max(0.0);
-        // Of regions in which either may be missed as well, misses of both may be the same.
-        !(self.misses && other.misses)
-            && !confuses(scene, nearest, (a - d).max(c - b).max(DVec3::ZERO).length())
+        !confuses(scene, nearest, (a - d).max(c - b).max(DVec3::ZERO).length())
     }
 }
 

@@ -5,8 +5,10 @@
 
 use glam::{DVec2, DVec3, dvec2};
 
+use crate::Feature;
 use crate::line::Line;
-use crate::space::{Model, Pose};
+use crate::scene::Scene;
+use crate::space::{Face, Model, Pose};
 
 /// A grid of lines of one direction, or of lines through a focal point.
 #[derive(Debug, Clone)]
@@ -134,6 +136,16 @@ impl Grid {
             }
         }
     }
+}
+
+/// The normals of a member's faces as a pose has them; `None`: must not be touched.
+pub(super) fn usable_normals(scene: &Scene<DVec3>, member: usize, pose: Pose) -> Vec<Option<DVec3>> {
+    let faces = scene.shadows[member].model().faces.iter().enumerate();
+    let normal = |(number, face): (usize, &Face)| {
+        let usable = face.is_touchable() && scene.unwanted(member, Feature::Face(number as u32)).is_none();
+        usable.then(|| pose.rotation * face.normal)
+    };
+    faces.map(normal).collect()
 }
 
 #[expect(clippy::cast_sign_loss, reason = "rows and columns of a grid are not negative")]

@@ -24,7 +24,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::blocking::{Volume, Wall};
+use super::blocking::{Volume, Wall, whole};
 use super::rendering::clearances;
 use crate::best::Best;
 use crate::line::Line;
@@ -169,13 +169,13 @@ impl Lattice {
         // Four at least, so that a face narrower than a cell has its own.
         let wanted = (extent / step).ceil().clamp(4.0, MOST_POINTS);
         let step = extent / wanted;
-        let count = wanted as u32;
-        let place = |row: u32, column: u32| {
-            let (x, y) = (left + step * (f64::from(column) + 0.5), bottom + step * (f64::from(row) + 0.5));
+        let count = whole(wanted);
+        let place = |row: usize, column: usize| {
+            let (x, y) = (left + step * (column as f64 + 0.5), bottom + step * (row as f64 + 0.5));
             x * right + y * up + wall.offset * wall.normal
         };
         let points = (0..count).flat_map(|row| (0..count).map(move |column| place(row, column))).collect();
-        Self { points, count: count as usize, step }
+        Self { points, count, step }
     }
 }
 

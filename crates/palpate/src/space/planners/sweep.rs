@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::polish::polished;
-use super::rendering::{Grid, Rendering, clearances};
+use super::rendering::{Grid, Rendering, clearances, usable_normals};
 use crate::best::Best;
 use crate::line::Line;
 use crate::plan::PlanSettings;
@@ -109,10 +109,13 @@ pub(super) fn sweep(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, 
 /// Directions that are allowed: against the normals of the members' faces, and so many as would be `count` all around.
 pub(super) fn directions(scene: &Scene<DVec3>, members: &[usize], count: usize) -> Vec<DVec3> {
     let mut chosen: Vec<DVec3> = Vec::new();
-    for &member in members {
-        let pose = scene.views[member][0];
-        for face in &scene.shadows[member].model().faces {
-            let direction = -(pose.rotation * face.normal);
+    let faces = |member: &usize| &scene.shadows[*member].model().faces;
+    let most = members.iter().map(|member| faces(member).len()).max().unwrap_or(0);
+    // The members take turns, so that none of many faces uses up the count.
+    for number in 0..most {
+        for member in members {
+            let Some(face) = faces(member).get(number) else { continue };
+            let direction = -(scene.views[*member][0].rotation * face.normal);
             let other = chosen.iter().all(|one| angle(*one, direction) > ALIKE);
             if chosen.len() < count && other && scene.allows(direction) {
                 chosen.push(direction);
@@ -161,13 +164,8 @@ fn in_direction(scene: &Scene<DVec3>, members: &[usize], direction: DVec3, count
         grid.render(model, scene.views[*member][0], scene.sensor.tip_radius)
     };
     let renderings: Vec<Rendering> = members.iter().map(render).collect();
-    let normals: Vec<Vec<DVec3>> = members
-        .iter()
-        .map(|member| {
-            let turn = scene.views[*member][0].rotation;
-            scene.shadows[*member].model().faces.iter().map(|face| turn * face.normal).collect()
-        })
-        .collect();
+    let normals: Vec<Vec<Option<DVec3>>> =
+        members.iter().map(|member| usable_normals(scene, *member, scene.views[*member][0])).collect();
     let most = scene.sensor.max_incidence.cos();
     let mut seen = Vec::with_capacity(members.len());
     let left: Vec<usize> = (0..count * count)
@@ -180,10 +178,10 @@ fn in_direction(scene: &Scene<DVec3>, members: &[usize], direction: DVec3, count
                     num_missed += 1;
                     continue;
                 }
-                let normal = normals[face as usize];
-                if -normal.dot(direction) < most {
+                let Some(normal) = normals[face as usize].filter(|normal| -normal.dot(direction) >= most)
+                else {
                     return usize::MAX;
-                }
+                };
                 seen.push((rendering.depth[at], normal));
             }
             if seen.is_empty() { usize::MAX } else { num_missed * num_missed + num_alike(scene, &mut seen) }
@@ -220,4 +218,55 @@ fn num_alike(scene: &Scene<DVec3>, seen: &mut [(f64, DVec3)]) -> usize {
         left += 2 * alike.filter(|b| a.1.dot(b.1) >= least).count();
     }
     left
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{blocks, sensor};
+    use super::*;
+
+    /// Each member has a direction before any has its second.
+    #[test]
+    fn members_take_turns_in_directions() {
+        let hypotheses = blocks();
+        let scene = Scene::new(&hypotheses, &sensor(), &PlanSettings::default());
+        let mut members = scene.everyone();
+        members.sort_by_key(|member| scene.shadows[*member].model().faces.len());
+        let against = |member: &usize| {
+            -(scene.views[*member][0].rotation * scene.shadows[*member].model().faces[0].normal)
+        };
+        let first: Vec<DVec3> = members.iter().map(against).collect();
+        let chosen = directions(&scene, &members, members.len());
+        let has =
+            |direction: &DVec3| chosen[..members.len()].iter().any(|one| angle(*one, *direction) <= ALIKE);
+        assert!(first.iter().all(has));
+        assert!(first.iter().any(|one| angle(*one, first[0]) > ALIKE), "all are turned alike");
+    }
+
+    /// No proposal meets a face that a contact is assigned to, if that is not wanted; otherwise some do.
+    #[test]
+    fn unwanted_faces_are_not_proposed() {
+        let hypotheses = blocks();
+        let met_assigned = |avoid_assigned: bool| {
+            let settings = PlanSettings { avoid_assigned, ..PlanSettings::default() };
+            let scene = Scene::new(&hypotheses, &sensor(), &settings);
+            let avoided =
+                Scene::new(&hypotheses, &sensor(), &PlanSettings { avoid_assigned: true, ..settings });
+            let members = scene.everyone();
+            let mut count = 0;
+            for direction in directions(&scene, &members, 12) {
+                for proposal in in_direction(&scene, &members, direction, 24) {
+                    let line = scene.line(direction, proposal.point).expect("all are allowed");
+                    let met = |member: &&usize| {
+                        let met = scene.contact(**member, scene.views[**member][0], &line);
+                        met.is_some_and(|met| avoided.unwanted(**member, met.feature).is_some())
+                    };
+                    count += members.iter().filter(met).count();
+                }
+            }
+            count
+        };
+        assert_eq!(met_assigned(true), 0);
+        assert!(met_assigned(false) > 0);
+    }
 }
