@@ -225,24 +225,6 @@ mod tests {
     use super::super::tests::{blocks, sensor};
     use super::*;
 
-    /// Each member has a direction before any has its second.
-    #[test]
-    fn members_take_turns_in_directions() {
-        let hypotheses = blocks();
-        let scene = Scene::new(&hypotheses, &sensor(), &PlanSettings::default());
-        let mut members = scene.everyone();
-        members.sort_by_key(|member| scene.shadows[*member].model().faces.len());
-        let against = |member: &usize| {
-            -(scene.views[*member][0].rotation * scene.shadows[*member].model().faces[0].normal)
-        };
-        let first: Vec<DVec3> = members.iter().map(against).collect();
-        let chosen = directions(&scene, &members, members.len());
-        let has =
-            |direction: &DVec3| chosen[..members.len()].iter().any(|one| angle(*one, *direction) <= ALIKE);
-        assert!(first.iter().all(has));
-        assert!(first.iter().any(|one| angle(*one, first[0]) > ALIKE), "all are turned alike");
-    }
-
     /// No proposal meets a face that a contact is assigned to, if that is not wanted; otherwise some do.
     #[test]
     fn unwanted_faces_are_not_proposed() {
