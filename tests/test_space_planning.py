@@ -87,30 +87,68 @@ def test_normals_of_the_plane_are_in_their_cap():
             assert math.cos(turned - at) == pytest.approx(1, abs=1e-12)
 
 
-def test_a_planned_touch_leaves_the_truth_alone():
-    models = palpate.load_models(["l-bracket", "rib-plate", "hexagon", "flange"])
-    bounds = {"position_error": 0.5, "normal_error": math.radians(4)}
-    touched = [
-        palpate.Contact((175.4, 160.2, 96.4), (-0.415, 0.769, 0.486), **bounds),
-        palpate.Contact((223.3, 37.7, 82.5), (0.412, -0.761, -0.5), **bounds),
-        palpate.Contact((216.9, 138.9, 83.1), (0.91, 0.326, 0.257), **bounds),
-        palpate.Contact((221.1, 23.7, 109.5), (-0.012, -0.559, 0.829), **bounds),
+#: Four parts that the same four touches explain.
+PARTS = palpate.load_models(["l-bracket", "rib-plate", "hexagon", "flange"])
+TOUCHED = [
+    palpate.Contact(point, normal, position_error=0.5, normal_error=math.radians(4))
+    for point, normal in [
+        ((175.4, 160.2, 96.4), (-0.415, 0.769, 0.486)),
+        ((223.3, 37.7, 82.5), (0.412, -0.761, -0.5)),
+        ((216.9, 138.9, 83.1), (0.91, 0.326, 0.257)),
+        ((221.1, 23.7, 109.5), (-0.012, -0.559, 0.829)),
     ]
-    left = palpate.recognize(models, touched).hypotheses
-    sensor = palpate.Sensor(0.5, math.radians(4), math.radians(60))
-    path = palpate.plan(left, sensor)
-    assert len(left) > 1 and path.score == 1.0
+]
+SPACE_PLANNERS = ("auto", "grimson", "schneiter")
+
+
+LEFT = palpate.recognize(PARTS, TOUCHED).hypotheses
+BLUNT = palpate.Sensor(0.5, math.radians(4), math.radians(60))
+
+
+@pytest.mark.parametrize("planner", SPACE_PLANNERS)
+def test_every_planner_of_space_finds_what_tells_all_apart(planner):
+    report = palpate.plan_report(LEFT, BLUNT, planner=planner)
+    assert len(LEFT) > 1 and report.path.score == 1.0 and report.why == "perfect"
+    again = palpate.judge(LEFT, BLUNT, report.path.start, report.path.direction, report.path.length)
+    assert again == report.path and not again.faults
+
+
+@pytest.mark.parametrize("planner", SPACE_PLANNERS)
+@pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (0, -1, 0)])
+def test_every_planner_of_space_heeds_what_is_allowed(planner, axis):
+    options = {"directions": (axis, 1.0), "workspace": [(-500,) * 3, (500,) * 3], "planner": planner}
+    path = palpate.plan(LEFT, BLUNT, **options)
+    assert path.score < len(LEFT) and not path.faults
+    assert float(path.direction @ axis) >= math.cos(1.0) - 1e-9
+    assert np.max(np.abs(path.start)) == pytest.approx(500)
+    assert palpate.plan(LEFT, BLUNT, **options) == path
+    assert palpate.plan_report(LEFT, BLUNT, **options, effort=2).num_judged <= 2
+    assert palpate.plan_report(LEFT, BLUNT, **options, time_limit=1e-9).path is None
+
+
+def test_grids_of_space_are_its_own():
+    for planner, cells in (("grimson", 32), ("schneiter", 48)):
+        usual = palpate.plan(LEFT, BLUNT, planner=planner)
+        assert palpate.plan(LEFT, BLUNT, planner=planner, cells=cells) == usual
+        assert palpate.plan(LEFT, BLUNT, planner=planner, cells=9) != usual
+    usual = palpate.plan(LEFT, BLUNT, planner="grimson")
+    assert palpate.plan(LEFT, BLUNT, planner="grimson", directions_tried=96) == usual
+
+
+def test_a_planned_touch_leaves_the_truth_alone():
+    path = palpate.plan(LEFT, BLUNT)
+    assert len(LEFT) > 1 and path.score == 1.0
     document = path_entry(path)
     assert "angle_deg" not in document and len(document["direction"]) == 3
     schema = json.loads((files(palpate) / "schemas" / "plan-1.json").read_text(encoding="utf-8"))
     jsonschema.validate(document, {"$ref": "#/$defs/path", "$defs": schema["$defs"]})
-    for number, hypothesis in enumerate(left):
+    for number, hypothesis in enumerate(LEFT):
         for seed, pose in enumerate(hypothesis.poses.sample(3, seed=2)):
-            probe = palpate.SimulatedProbe(hypothesis.model, pose, sensor, seed=seed, noise="bounds")
+            probe = palpate.SimulatedProbe(hypothesis.model, pose, BLUNT, seed=seed, noise="bounds")
             reply = probe.touch(path.start, path.end)
             contact = reply.contact if isinstance(reply, palpate.Hit) else None
             assert path.outcome_of(contact) == [number]
-            after = palpate.recognize(models, [*touched, *([] if contact is None else [contact])]).hypotheses
+            after = palpate.recognize(PARTS, [*TOUCHED, *([] if contact is None else [contact])]).hypotheses
             assert any(one.model.name == hypothesis.model.name and one.poses.contains(pose) for one in after)
 
 

@@ -635,9 +635,9 @@ Args:
         Lengths are in the unit of their models.
     sensor: Bounds of the next reading.
     planner: Where candidates come from. `"auto"`: evenly spaced directions, quick; in the plane then `"grimson"` and
-        `"complete"` where these tell nothing. All others are of the plane. `"complete"`: all lines; no usable path of
-        margin m or more has a better score, or `PlanReport.bound` says how much better at most. `"ellis"`: the
-        thesis's search (3.1 to 3.3, 4.1). `"grimson"`, `"schneiter"`: 5.4.2, 5.4.3.
+        `"complete"` where these tell nothing. `"complete"`, of the plane: all lines; no usable
+        path of margin m or more has a better score, or `PlanReport.bound` says how much better at most. `"ellis"`, of
+        the plane: the thesis's search (3.1 to 3.3, 4.1). `"grimson"`, `"schneiter"`, of both: 5.4.2, 5.4.3.
     stop: When a path is good enough (3.4): `"perfect"`, all are separated; `("unique", k)`, it identifies k
         hypotheses, whichever of them is true; `("share", f)`, this share of them, above 0 and at most 1.
     workspace: Two opposite corners, shape `(2, d)`, world frame: paths begin at the border of this rectangle or box.
@@ -654,8 +654,9 @@ Args:
         shifted by m.
     tried: Lines that were moved along before, each a start and a direction, shape `(d,)`, world frame. One within m of
         them is no answer, unless it is certain to tell something.
-    cells: Grid of `"grimson"` (8 to 16384) and `"schneiter"` (8 to 2048). None: 256.
-    directions_tried: Directions that `"grimson"` tries, 1 to 7200. None: 72.
+    cells: Grid of `"grimson"`, 8 to 16384 in the plane, to 512 in space, and of `"schneiter"`, to 2048 and 128. None:
+        256; in space 32 and 48.
+    directions_tried: Directions that `"grimson"` tries, 1 to 7200. None: 72; in space 96.
 
 Returns:
     The path; None if one hypothesis is left, or if no path was found that can be used: `plan_report` says which.

@@ -173,7 +173,7 @@ impl Deadline {
 /// A planner of the plane or of space. Whether it is of the dimension is for the core to say.
 fn planner<V: Vector>(value: &Any<'_>) -> PyResult<Planner> {
     let unknown = || refuse("planner", "unknown planner", value, &Planner::remedy::<V>());
-    Planner::named(&text("planner", value)?).ok_or_else(unknown)
+    Planner::named::<V>(&text("planner", value)?).ok_or_else(unknown)
 }
 
 fn method(value: &Any<'_>) -> PyResult<TreeMethod> {

@@ -13,6 +13,7 @@ use crate::hypothesis::Count;
 use crate::judge::Normals;
 use crate::line::{FirstContact, Line};
 use crate::plan::{EllisCounters, PlanSettings};
+use crate::planner::Grids;
 use crate::recognize::{Explanations, Halt, Settings};
 use crate::scene::{Proof, Scene, Shadow};
 
@@ -51,6 +52,8 @@ pub trait Dimension:
     const AXES: &'static [Self];
     /// Names of the planners that there are.
     const PLANNERS: &'static [&'static str];
+    /// Grids of those that have one.
+    const GRIDS: Grids;
 
     /// Every coordinate the same.
     fn splat(value: f64) -> Self;

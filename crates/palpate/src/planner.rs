@@ -22,31 +22,43 @@ pub enum Planner {
     Decoupled,
     /// Grimson's: renderings in fixed directions, searched by divide and conquer (5.4.2).
     Grimson {
-        /// Buckets of each rendering.
+        /// Buckets of each rendering; in space, along each of its sides.
         cells: usize,
         /// Directions, evenly spaced.
         directions: usize,
     },
     /// Schneiter's: from the boundary of the union to that of the intersection, past blocking boundaries (5.4.3).
     Schneiter {
-        /// Cells along each side of the plane's grid.
+        /// Cells along each side of the grid.
         cells: usize,
     },
 }
 
+/// Grids of the planners that have one: the usual number, and the most that fits into memory.
+#[derive(Debug, Clone, Copy)]
+pub struct Grids {
+    /// Cells of a rendering, along a side.
+    pub grimson_cells: [usize; 2],
+    /// Directions of renderings.
+    pub grimson_directions: [usize; 2],
+    /// Cells along a side.
+    pub schneiter_cells: [usize; 2],
+}
+
 impl Planner {
-    /// Grimson's, with the usual grid.
+    /// Grimson's, with the plane's usual grid.
     pub const GRIMSON: Self = Self::Grimson { cells: Self::USUAL_GRID[0], directions: Self::USUAL_GRID[1] };
 
-    /// Cells and directions.
+    /// Cells and directions in the plane.
     pub(crate) const USUAL_GRID: [usize; 2] = [256, 72];
 
-    /// Schneiter's, with the usual grid.
+    /// Schneiter's, with the plane's usual grid.
     pub const SCHNEITER: Self = Self::Schneiter { cells: 256 };
 
-    /// That of a name, with its usual grid, of the plane or of space.
+    /// That of a name, of the plane or of space, with the usual grid of `V`.
     #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
+    pub fn named<V: Dimension>(name: &str) -> Option<Self> {
+        let Grids { grimson_cells: [cells, _], grimson_directions: [directions, _], .. } = V::GRIDS;
         let all = [
             Self::Auto,
             Self::Complete,
@@ -54,8 +66,8 @@ impl Planner {
             Self::Optimized,
             Self::Linearized,
             Self::Decoupled,
-            Self::GRIMSON,
-            Self::SCHNEITER,
+            Self::Grimson { cells, directions },
+            Self::Schneiter { cells: V::GRIDS.schneiter_cells[0] },
         ];
         all.into_iter().find(|one| one.name() == name)
     }
@@ -97,7 +109,7 @@ impl Planner {
             let problem = format!("there is no such planner in {}", V::NAME);
             return Err(Error::new("planner", problem, format!("'{}'", self.name()), Self::remedy::<V>()));
         }
-        let within = |argument: &str, value: usize, [low, high]: [usize; 2]| {
+        let within = |argument: &str, value: usize, low: usize, [_, high]: [usize; 2]| {
             if (low..=high).contains(&value) {
                 return Ok(());
             }
@@ -106,10 +118,10 @@ impl Planner {
         };
         match self {
             Self::Grimson { cells, directions } => {
-                within("cells", cells, [8, 16384])?;
-                within("directions_tried", directions, [1, 7200])
+                within("cells", cells, 8, V::GRIDS.grimson_cells)?;
+                within("directions_tried", directions, 1, V::GRIDS.grimson_directions)
             }
-            Self::Schneiter { cells } => within("cells", cells, [8, 2048]),
+            Self::Schneiter { cells } => within("cells", cells, 8, V::GRIDS.schneiter_cells),
             _ => Ok(()),
         }
     }

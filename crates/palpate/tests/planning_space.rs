@@ -52,9 +52,9 @@ fn planners_of_the_plane_are_refused() {
 fn planners_are_found_by_their_names() {
     let names = ["auto", "complete", "ellis", "optimized", "linearized", "decoupled", "grimson", "schneiter"];
     for name in names {
-        assert_eq!(Planner::named(name).map(Planner::name), Some(name));
+        assert_eq!(Planner::named::<DVec3>(name).map(Planner::name), Some(name));
     }
-    assert_eq!(Planner::named("best"), None);
+    assert_eq!(Planner::named::<DVec3>("best"), None);
 }
 
 #[test]

@@ -16,7 +16,8 @@ use crate::best::Best;
 use crate::contact::{Evidence, Prior};
 use crate::dimension::Dimension;
 use crate::line::{FirstContact, Line};
-use crate::plan::{EllisCounters, PlanSettings};
+use crate::plan::{EllisCounters, PlanSettings, Planner};
+use crate::planner::Grids;
 use crate::recognize::{Explanations, Halt, Settings};
 use crate::scene::{Proof, Scene};
 
@@ -31,6 +32,11 @@ impl Dimension for DVec2 {
     const NAME: &'static str = "the plane";
     const AXES: &'static [Self] = &[Self::X, Self::Y];
     const PLANNERS: &'static [&'static str] = &["auto", "complete", "ellis", "grimson", "schneiter"];
+    const GRIDS: Grids = Grids {
+        grimson_cells: [Planner::USUAL_GRID[0], 16384],
+        grimson_directions: [Planner::USUAL_GRID[1], 7200],
+        schneiter_cells: [256, 2048],
+    };
 
     fn splat(value: f64) -> Self {
         Self::splat(value)

@@ -13,6 +13,7 @@ use crate::contact::Evidence;
 use crate::dimension::Dimension;
 use crate::line::{FirstContact, Line};
 use crate::plan::{EllisCounters, PlanSettings};
+use crate::planner::Grids;
 use crate::recognize::{Explanations, Halt, Settings};
 use crate::scene::{Proof, Scene};
 
@@ -26,7 +27,9 @@ impl Dimension for DVec3 {
 
     const NAME: &'static str = "space";
     const AXES: &'static [Self] = &[Self::X, Self::Y, Self::Z];
-    const PLANNERS: &'static [&'static str] = &["auto"];
+    const PLANNERS: &'static [&'static str] = &["auto", "grimson", "schneiter"];
+    const GRIDS: Grids =
+        Grids { grimson_cells: [32, 512], grimson_directions: [96, 7200], schneiter_cells: [48, 128] };
 
     fn splat(value: f64) -> Self {
         Self::splat(value)

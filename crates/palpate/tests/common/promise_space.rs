@@ -121,7 +121,7 @@ fn line(
     let place = at.sum::<DVec3>() / shares.iter().sum::<f64>();
     let normal = pose.rotation * hypothesis.model.faces[*face as usize].normal;
     let along = (0.7 * random.f64() * direction(random) - normal).normalize();
-    prepared.line(along, pose.apply(place))
+    prepared.along(along, pose.apply(place))
 }
 
 /// All that is simulated for the problem of a number: usable random lines, and the path that is planned.

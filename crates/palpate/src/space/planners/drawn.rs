@@ -261,7 +261,7 @@ impl<'a> Surfaces<'a> {
     /// The line with a number: an even one at one of all, an odd one at a face; `None` if it is not allowed.
     fn line(&self, scene: &Scene<DVec3>, number: u64) -> Option<Line<DVec3>> {
         let mut random = Rng::with_seed(number);
-        if number % 2 == 0 {
+        if number.is_multiple_of(2) {
             let direction = scene.drawn_direction([random.f64(), random.f64()]);
             let (right, up) = direction.any_orthonormal_pair();
             let (sine, cosine) = (2.0 * PI * random.f64()).sin_cos();
@@ -395,7 +395,7 @@ mod tests {
             assert!(Dimension::angle_between(axis, line.direction) <= cone + 1e-9);
             let room = (line.start - low).min(high - line.start).min_element();
             assert!(room.abs() < 1e-9, "{line:?} does not begin on the border");
-            *if number % 2 == 0 { &mut evenly } else { &mut at_faces } += 1;
+            *if number.is_multiple_of(2) { &mut evenly } else { &mut at_faces } += 1;
         }
         assert!(evenly > 500 && at_faces > 100, "{evenly} {at_faces}");
     }

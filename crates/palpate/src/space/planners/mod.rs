@@ -1,36 +1,42 @@
 //! Planners propose lines; the judge says what they are worth.
 
+mod blocking;
 mod drawn;
+mod grimson;
 mod polish;
 mod rendering;
-mod sweep;
+mod schneiter;
 
 use glam::DVec3;
 
 use crate::best::Best;
-use crate::plan::PlanSettings;
+use crate::plan::{PlanSettings, Planner};
 
 /// Offers lines to `best`, as the settings say.
 pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
-    drawn::draw(best, settings, late);
+    match settings.planner {
+        Planner::Grimson { cells, directions } => grimson::grimson(best, [cells, directions], settings, late),
+        Planner::Schneiter { cells } => schneiter::schneiter(best, cells, settings, late),
+        // `Auto`: the settings were checked.
+        _ => drawn::draw(best, settings, late),
+    }
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::space) mod tests {
     use std::sync::Arc;
 
     use glam::dvec3;
 
     use super::*;
-    use crate::dimension::Poses;
+    use crate::dimension::{Dimension, Poses};
     use crate::scene::Scene;
     use crate::space::Pose;
     use crate::space::shapes::{cuboid, mesh};
-    use crate::{Contact, Evidence, Normal, Sensor, Settings, recognize};
+    use crate::{Contact, Evidence, Hypothesis, Normal, Sensor, Settings, plan, recognize};
 
-    /// Two blocks, one higher than the other, both with a corner in the origin: a line from above tells them apart.
-    #[test]
-    fn what_tells_most_is_found() {
+    /// What is left of two blocks, one higher than the other, that were touched on three sides, at the corner in the origin.
+    pub(super) fn blocks() -> Vec<Hypothesis<DVec3>> {
         let block = |height: f64| Arc::new(mesh(&cuboid(DVec3::ZERO, dvec3(30.0, 20.0, height))));
         let touched = [
             (dvec3(0.0, 10.0, 6.0), -DVec3::X),
@@ -43,23 +49,50 @@ mod tests {
         });
         let evidence = Evidence { contacts: contacts.into(), ..Evidence::default() };
         let found = recognize(&[block(12.0), block(16.0)], &evidence, &Settings::default());
-        let mut hypotheses = found.expect("well-formed").hypotheses;
+        found.expect("well-formed").hypotheses
+    }
+
+    pub(super) fn sensor() -> Sensor {
+        Sensor::new(0.1, Some(0.02), 1.0).expect("bounds are valid")
+    }
+
+    /// A line from above tells the two blocks that stand alike apart.
+    #[test]
+    fn what_tells_most_is_found() {
+        let mut hypotheses = blocks();
         hypotheses.retain(|one| one.poses.contains(Pose::IDENTITY));
         assert!(hypotheses.len() == 2 && hypotheses.iter().all(|one| one.poses.proved()));
-
-        let sensor = Sensor::new(0.1, Some(0.02), 1.0).expect("bounds are valid");
         let directions = Some((-DVec3::Z, 1.2));
-        let settings = PlanSettings { directions, ..PlanSettings::default() };
-        let scene = Scene::new(&hypotheses, &sensor, &settings);
-        let members = scene.everyone();
-        let mut best = Best::new(&scene, &members);
-        propose(&mut best, &settings, &|| false);
-        let path = best.path.expect("from above they differ");
-        assert_eq!(path.score, 1.0);
-        assert!(path.line.direction.z <= -1.2_f64.cos() + 1e-9);
+        for planner in DVec3::PLANNERS.iter().map(|name| Planner::named::<DVec3>(name).expect("it exists")) {
+            let settings = PlanSettings { planner, directions, ..PlanSettings::default() };
+            let scene = Scene::new(&hypotheses, &sensor(), &settings);
+            let members = scene.everyone();
+            let mut best = Best::new(&scene, &members);
+            propose(&mut best, &settings, &|| false);
+            let path = best.path.expect("from above they differ");
+            assert_eq!(path.score, 1.0, "{planner:?}");
+            assert!(path.line.direction.z <= -1.2_f64.cos() + 1e-9);
 
-        let mut best = Best::new(&scene, &members);
-        propose(&mut best, &settings, &|| true);
-        assert_eq!(best.num_judged, 0);
+            let mut best = Best::new(&scene, &members);
+            propose(&mut best, &settings, &|| true);
+            assert_eq!(best.num_judged, 0);
+        }
+    }
+
+    /// The same answer with the same settings, and no more lines judged than are allowed.
+    #[test]
+    fn answers_repeat_and_effort_is_heeded() {
+        let hypotheses = blocks();
+        for name in DVec3::PLANNERS {
+            let planner = Planner::named::<DVec3>(name).expect("it exists");
+            let plan = |effort: u64| {
+                let settings = PlanSettings { planner, effort, ..PlanSettings::default() };
+                plan(&hypotheses, &sensor(), &settings).expect("well-formed")
+            };
+            let full = plan(1_000);
+            assert!(full.path.is_some(), "{name} finds none");
+            assert_eq!(full, plan(1_000), "{name}");
+            assert!(plan(3).num_judged <= 3, "{name}");
+        }
     }
 }

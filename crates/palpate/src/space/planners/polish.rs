@@ -22,16 +22,19 @@ const WIDTH: usize = 5;
 /// The line with the most room around it, near a line that meets faces, that meets the same faces at all views; `None`: it is
 /// the line itself, or it meets none.
 pub(super) fn polished(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Option<Line<DVec3>> {
-    let mut best = *line;
-    let mut room = f64::NEG_INFINITY;
+    let (mut best, mut next) = (*line, *line);
+    let mut most = f64::NEG_INFINITY;
     for step in 0..=STEPS {
-        let rows = rows(scene, members, &best)?;
-        let reached = rows.iter().filter(|row| row.normal[WIDTH - 1] > 0.0);
-        let now = reached.map(|row| row.bound).fold(f64::INFINITY, f64::min);
-        if step == STEPS || !now.is_finite() || now <= room + 1e-3 * scene.margin {
+        let Some(rows) = rows(scene, members, &next) else { break };
+        let room = room(&rows);
+        // The room is linear to first order only: a step may have lost some.
+        if !room.is_finite() || room <= most + 1e-3 * scene.margin {
             break;
         }
-        room = now;
+        (best, most) = (next, room);
+        if step == STEPS {
+            break;
+        }
         let shift = MOST_SHIFT * scene.size;
         let half = [shift, shift, MOST_TURN, MOST_TURN, scene.size];
         let mut objective = [0.0; WIDTH];
@@ -41,13 +44,19 @@ pub(super) fn polished(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec
         let (right, up) = best.direction.any_orthonormal_pair();
         let direction = (best.direction + a * right + b * up).normalize();
         let point = pivot(scene, &best) + x * right + y * up;
-        let Some(next) = scene.line(direction, point) else { break };
-        if features(scene, members, &next) != features(scene, members, &best) {
+        let Some(moved) = scene.line(direction, point) else { break };
+        if features(scene, members, &moved) != features(scene, members, &best) {
             break;
         }
-        best = next;
+        next = moved;
     }
     (best != *line).then_some(best)
+}
+
+/// The least room that the rows grant without a step; infinite if none asks for room.
+fn room(rows: &[Row<WIDTH>]) -> f64 {
+    let reached = rows.iter().filter(|row| row.normal[WIDTH - 1] > 0.0);
+    reached.map(|row| row.bound).fold(f64::INFINITY, f64::min)
 }
 
 /// The point of a line that is nearest to the middle of the scene.
@@ -99,4 +108,35 @@ fn rows(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Option<V
         }
     }
     Some(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{blocks, sensor};
+    use super::*;
+    use crate::PlanSettings;
+    use crate::space::shapes::Random;
+
+    /// What is made of a line is allowed, meets the same and has more room.
+    #[test]
+    fn a_polished_line_has_more_room() {
+        let hypotheses = blocks();
+        let directions = Some((DVec3::Z, 0.8));
+        let scene =
+            Scene::new(&hypotheses, &sensor(), &PlanSettings { directions, ..PlanSettings::default() });
+        let members = scene.everyone();
+        let mut random = Random(11);
+        let mut num_polished = 0;
+        for _ in 0..400 {
+            let through = scene.middle + random.point(-15.0, 15.0);
+            let Some(line) = scene.line(random.direction(), through) else { continue };
+            let Some(polished) = polished(&scene, &members, &line) else { continue };
+            num_polished += 1;
+            assert!(scene.allows(polished.direction));
+            assert_eq!(features(&scene, &members, &polished), features(&scene, &members, &line));
+            let room = |line: &Line<DVec3>| room(&rows(&scene, &members, line).expect("it meets faces"));
+            assert!(room(&polished) > room(&line));
+        }
+        assert!(num_polished > 10, "{num_polished}");
+    }
 }
