@@ -26,7 +26,7 @@ impl Dimension for DVec3 {
 
     const NAME: &'static str = "space";
     const AXES: &'static [Self] = &[Self::X, Self::Y, Self::Z];
-    const PLANNERS: &'static [&'static str] = &["auto"];
+    const PLANNERS: &'static [&'static str] = &["auto", "decoupled", "linearized", "optimized"];
 
     fn splat(value: f64) -> Self {
         Self::splat(value)

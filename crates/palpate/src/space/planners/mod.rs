@@ -1,17 +1,32 @@
 //! Planners propose lines; the judge says what they are worth.
 
+mod candidates;
+mod decoupled;
+mod linearized;
+mod optimized;
 mod polish;
 mod rendering;
 mod sweep;
 
 use glam::DVec3;
 
+pub use candidates::Chart;
+pub use decoupled::predicted_hit_rate;
+pub use linearized::{LinearizationError, linearization_error};
+
 use crate::best::Best;
 use crate::plan::PlanSettings;
+use crate::planner::Planner;
 
 /// Offers lines to `best`, as the settings say.
 pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
-    sweep::sweep(best, settings, late);
+    match settings.planner {
+        Planner::Decoupled => decoupled::decoupled(best, settings, late),
+        Planner::Linearized => linearized::linearized(best, settings, late),
+        Planner::Optimized => optimized::optimized(best, settings, late),
+        // `Auto`: the settings were checked.
+        _ => sweep::sweep(best, settings, late),
+    }
 }
 
 #[cfg(test)]
@@ -48,17 +63,19 @@ mod tests {
 
         let sensor = Sensor::new(0.1, Some(0.02), 1.0).expect("bounds are valid");
         let directions = Some((-DVec3::Z, 1.2));
-        let settings = PlanSettings { directions, ..PlanSettings::default() };
-        let scene = Scene::new(&hypotheses, &sensor, &settings);
-        let members = scene.everyone();
-        let mut best = Best::new(&scene, &members);
-        propose(&mut best, &settings, &|| false);
-        let path = best.path.expect("from above they differ");
-        assert_eq!(path.score, 1.0);
-        assert!(path.line.direction.z <= -1.2_f64.cos() + 1e-9);
+        for planner in [Planner::Auto, Planner::Decoupled, Planner::Linearized, Planner::Optimized] {
+            let settings = PlanSettings { planner, directions, ..PlanSettings::default() };
+            let scene = Scene::new(&hypotheses, &sensor, &settings);
+            let members = scene.everyone();
+            let mut best = Best::new(&scene, &members);
+            propose(&mut best, &settings, &|| false);
+            let path = best.path.expect("from above they differ");
+            assert_eq!(path.score, 1.0, "{planner:?}");
+            assert!(path.line.direction.z <= -1.2_f64.cos() + 1e-9);
 
-        let mut best = Best::new(&scene, &members);
-        propose(&mut best, &settings, &|| true);
-        assert_eq!(best.num_judged, 0);
+            let mut best = Best::new(&scene, &members);
+            propose(&mut best, &settings, &|| true);
+            assert_eq!(best.num_judged, 0);
+        }
     }
 }

@@ -210,7 +210,7 @@ fn in_direction(scene: &Scene<DVec3>, members: &[usize], direction: DVec3, count
 }
 
 /// Ordered pairs of readings that may be the same, each with itself included.
-fn num_alike(scene: &Scene<DVec3>, seen: &mut [(f64, DVec3)]) -> usize {
+pub(super) fn num_alike(scene: &Scene<DVec3>, seen: &mut [(f64, DVec3)]) -> usize {
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
     let near = 2.0 * scene.sensor.position_error;
     let least = scene.sensor.normal_error.map_or(-2.0, |error| (2.0 * error).cos());
