@@ -140,3 +140,14 @@ def test_the_planner_answers_the_same_again():
     assert 0 < report.num_judged <= 9 and report.counters is None and report.num_boxes == 0
     if report.path is not None:
         assert report.path.direction @ -NORMAL >= math.cos(1.0) - 1e-9
+
+
+@pytest.mark.parametrize("planner", ["auto", "decoupled", "linearized", "optimized"])
+def test_every_planner_finds_what_the_judge_says(planner):
+    report = palpate.plan_report(FOUND, SENSOR, planner=planner, directions=(-NORMAL, 1.2), effort=40)
+    path = report.path
+    assert path is not None and 0 < report.num_judged <= 40
+    assert path.direction @ -NORMAL >= math.cos(1.2) - 1e-9
+    assert path == palpate.judge(FOUND, SENSOR, path.start, path.direction, path.length)
+    again = palpate.plan(FOUND, SENSOR, planner=planner, directions=(-NORMAL, 1.2), effort=40)
+    assert again == path
