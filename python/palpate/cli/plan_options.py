@@ -13,7 +13,7 @@ from palpate import Contact, Sensor
 from palpate.cli import options
 from palpate.cli.options import numbers_of, seconds
 
-PLANNERS = ("auto", "complete", "ellis", "optimized", "linearized", "decoupled", "grimson", "schneiter")
+PLANNERS = ("auto", "complete", "ellis", "grimson", "schneiter")
 METHODS = ("greedy", "ahead", "optimal")
 
 incidence_deg = options.number(1e-6, 89.999999, "an angle in degrees, above 0 and below 90")

@@ -29,9 +29,7 @@ def identify(  # noqa: PLR0917 - the four that every call has
     contacts: Sequence[Contact] = (),
     misses: Sequence[Miss] = (),
     blind: int | None = None,
-    planner: Literal[
-        "auto", "complete", "ellis", "optimized", "linearized", "decoupled", "grimson", "schneiter"
-    ] = "auto",
+    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
     stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
     directions: tuple[ArrayLike, float] | None = None,
     margin: float = 1e-3,
