@@ -130,7 +130,7 @@ fn ordered(
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
     };
     let liberal: Vec<Vec<Segment>> =
-        faces.iter().map(|faces| faces.iter().flat_map(|face| shadows(face, chart)).collect()).collect();
+        faces.iter().map(|faces| faces.iter().filter_map(|face| shadows(face, chart)).collect()).collect();
     let most = most_slope(scene);
     let mut lines = Vec::new();
     for first in solutions(scene, &liberal, span(&|corner| corner.x), most, |_| true, None, KEPT[0]) {
@@ -227,7 +227,9 @@ fn solutions(
                 continue;
             }
             let num_missed = segments.len() - met.len();
-            met.iter_mut().for_each(|(depth, _)| *depth *= -stretch);
+            for (depth, _) in &mut met {
+                *depth *= -stretch;
+            }
             let left = num_missed.pow(2) + num_alike(scene, &mut met);
             found.push(Solution { offset, slope, left, width });
         }

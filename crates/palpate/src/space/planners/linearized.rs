@@ -124,7 +124,7 @@ mod tests {
             let flat = flat_sides(std::slice::from_ref(&corners), 0.5);
             let itself: Vec<_> = sides(&corners, 0.0).collect();
             for _ in 0..40 {
-                let slopes = DVec2::from_angle(6.283 * random.next()) * (0.5 * random.next());
+                let slopes = DVec2::from_angle(std::f64::consts::TAU * random.next()) * (0.5 * random.next());
                 let line = [20.0 * random.next() - 10.0, 20.0 * random.next() - 10.0, slopes.x, slopes.y];
                 if least_room(&flat, line) >= 0.0 {
                     assert!(least_room(&itself, line) >= -1e-9);
