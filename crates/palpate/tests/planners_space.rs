@@ -16,6 +16,7 @@ const EFFORT: u64 = 60;
 
 /// Of each planner: paths found, perfect ones, the mean expected number left, seconds.
 #[test]
+#[expect(clippy::disallowed_methods, reason = "it is measured how long they take")]
 fn every_planner_finds_paths_and_says_of_them_what_the_judge_says() {
     let planners = [Planner::Auto, Planner::Decoupled, Planner::Linearized, Planner::Optimized];
     let mut found = [0_u64; 4];
