@@ -98,7 +98,7 @@ TOUCHED = [
         ((221.1, 23.7, 109.5), (-0.012, -0.559, 0.829)),
     ]
 ]
-SPACE_PLANNERS = ("auto", "grimson", "schneiter")
+SPACE_PLANNERS = ("auto", "grimson", "schneiter", "decoupled", "linearized", "optimized")
 
 
 LEFT = palpate.recognize(PARTS, TOUCHED).hypotheses

@@ -871,7 +871,9 @@ def plan(
     hypotheses: Sequence[Hypothesis],
     sensor: Sensor,
     *,
-    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
+    planner: Literal[
+        "auto", "complete", "ellis", "optimized", "linearized", "decoupled", "grimson", "schneiter"
+    ] = "auto",
     stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
     workspace: ArrayLike | None = None,
     directions: tuple[ArrayLike, float] | None = None,
@@ -897,9 +899,10 @@ def plan(
             Lengths are in the unit of their models.
         sensor: Bounds of the next reading.
         planner: Where candidates come from. `"auto"`: evenly spaced directions, quick; in the plane then `"grimson"` and
-            `"complete"` where these tell nothing. `"complete"`, of the plane: all lines; no usable
-            path of margin m or more has a better score, or `PlanReport.bound` says how much better at most. `"ellis"`, of
-            the plane: the thesis's search (3.1 to 3.3, 4.1). `"grimson"`, `"schneiter"`, of both: 5.4.2, 5.4.3.
+            `"complete"` where these tell nothing. Of the plane: `"complete"`: all lines; no usable path of
+            margin m or more has a better score, or `PlanReport.bound` says how much better at most. `"ellis"`: the
+            thesis's search (3.1 to 3.3, 4.1). Of both: `"grimson"`, `"schneiter"`: 5.4.2, 5.4.3. Of space: `"optimized"`
+            (5.1, 5.2), `"linearized"` (5.3), `"decoupled"` (5.4.4).
         stop: When a path is good enough (3.4): `"perfect"`, all are separated; `("unique", k)`, it identifies k
             hypotheses, whichever of them is true; `("share", f)`, this share of them, above 0 and at most 1.
         workspace: Two opposite corners, shape `(2, d)`, world frame: paths begin at the border of this rectangle or box.
@@ -932,7 +935,9 @@ def plan_report(
     hypotheses: Sequence[Hypothesis],
     sensor: Sensor,
     *,
-    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
+    planner: Literal[
+        "auto", "complete", "ellis", "optimized", "linearized", "decoupled", "grimson", "schneiter"
+    ] = "auto",
     stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
     workspace: ArrayLike | None = None,
     directions: tuple[ArrayLike, float] | None = None,
@@ -1541,7 +1546,9 @@ def plan_tree(
     *,
     method: Literal["greedy", "ahead", "optimal"] = "greedy",
     max_nodes: int | None = None,
-    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
+    planner: Literal[
+        "auto", "complete", "ellis", "optimized", "linearized", "decoupled", "grimson", "schneiter"
+    ] = "auto",
     stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
     workspace: ArrayLike | None = None,
     directions: tuple[ArrayLike, float] | None = None,

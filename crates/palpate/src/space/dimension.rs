@@ -27,7 +27,8 @@ impl Dimension for DVec3 {
 
     const NAME: &'static str = "space";
     const AXES: &'static [Self] = &[Self::X, Self::Y, Self::Z];
-    const PLANNERS: &'static [&'static str] = &["auto", "grimson", "schneiter"];
+    const PLANNERS: &'static [&'static str] =
+        &["auto", "grimson", "schneiter", "decoupled", "linearized", "optimized"];
     const GRIDS: Grids =
         Grids { grimson_cells: [32, 512], grimson_directions: [96, 7200], schneiter_cells: [48, 128] };
 

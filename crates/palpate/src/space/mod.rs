@@ -71,6 +71,7 @@ mod weld;
 
 pub use bvh::Nearest;
 pub use model::{Edge, Face, Model, Roundness, Symmetry, Vertex};
+pub use planners::{Chart, LinearizationError, linearization_error, predicted_hit_rate};
 pub use pose::Pose;
 pub use pose_set::PoseSet;
 pub use prior::{Lying, Prior};

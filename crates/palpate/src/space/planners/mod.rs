@@ -1,13 +1,21 @@
 //! Planners propose lines; the judge says what they are worth.
 
 mod blocking;
+mod candidates;
+mod decoupled;
 mod drawn;
 mod grimson;
+mod linearized;
+mod optimized;
 mod polish;
 mod rendering;
 mod schneiter;
 
 use glam::DVec3;
+
+pub use candidates::Chart;
+pub use decoupled::predicted_hit_rate;
+pub use linearized::{LinearizationError, linearization_error};
 
 use crate::best::Best;
 use crate::plan::{PlanSettings, Planner};
@@ -17,6 +25,9 @@ pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>
     match settings.planner {
         Planner::Grimson { cells, directions } => grimson::grimson(best, [cells, directions], settings, late),
         Planner::Schneiter { cells } => schneiter::schneiter(best, cells, settings, late),
+        Planner::Decoupled => decoupled::decoupled(best, settings, late),
+        Planner::Linearized => linearized::linearized(best, settings, late),
+        Planner::Optimized => optimized::optimized(best, settings, late),
         // `Auto`: the settings were checked.
         _ => drawn::draw(best, settings, late),
     }
