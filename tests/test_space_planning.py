@@ -178,3 +178,22 @@ def test_the_planner_answers_the_same_again():
     assert 0 < report.num_judged <= 9 and report.counters is None and report.num_boxes == 0
     if report.path is not None:
         assert report.path.direction @ -NORMAL >= math.cos(1.0) - 1e-9
+
+
+def test_lines_of_space_are_scored_as_they_are_judged():
+    lines = palpate.Lines(LEFT, BLUNT)
+    random = np.random.default_rng(4)
+    directions = random.normal(size=(400, 3))
+    points = lines.middle + 0.5 * lines.radius * random.normal(size=(400, 3))
+    scores, least = lines.scores_through(directions, points), lines.least_scores(directions, points)
+    assert scores.shape == least.shape == (400,)
+    usable = np.isfinite(scores)
+    assert 20 < usable.sum() < 400
+    # What can't be used at one pose can't be used, and no score is below the least.
+    assert np.all(least[usable] <= scores[usable] + 1e-12)
+    for k in range(0, 400, 10):
+        path = lines.judge_through(directions[k], points[k])
+        assert bool(path.faults) == (not usable[k])
+        assert path.faults or path.score == pytest.approx(scores[k], abs=1e-12)
+    # The planner looks at lines as these are.
+    assert palpate.plan(LEFT, BLUNT).score <= np.nanmin(scores)

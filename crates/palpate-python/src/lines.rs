@@ -136,9 +136,11 @@ impl PyLines {
     fn planar(&self, what: &str) -> PyResult<&Prepared<DVec2>> {
         match &self.prepared {
             In::Plane(prepared) => Ok(prepared),
-            In::Space(_) => {
-                Err(plane_only(what, "hypotheses in space", "call judge_through or least_scores"))
-            }
+            In::Space(_) => Err(plane_only(
+                what,
+                "hypotheses in space",
+                "call judge_through, scores_through or least_scores",
+            )),
         }
     }
 

@@ -11,7 +11,7 @@ use std::time::Instant;
 use palpate::{PlanSettings, Planner, judge, plan};
 
 /// Problems, and lines that are judged in each at most.
-const NUM_PROBLEMS: u64 = 30;
+const NUM_PROBLEMS: u64 = 10;
 const EFFORT: u64 = 60;
 
 /// Of each planner: paths found, perfect ones, the mean expected number left, seconds.

@@ -177,6 +177,8 @@ impl Search<'_, '_> {
     fn offer(&mut self, lines: &[Line<DVec3>]) {
         let (scene, members, thorough) = (self.best.scene, self.best.members, self.best.thorough);
         let most = self.best.num_left();
+        let affordable = self.settings.effort.saturating_sub(self.best.num_judged);
+        let lines = &lines[..lines.len().min(usize::try_from(affordable).unwrap_or(usize::MAX))];
         let left = |line: &Line<DVec3>| {
             if thorough {
                 return Some(Some(0));
