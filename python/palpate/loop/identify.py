@@ -137,7 +137,9 @@ def _run(
     told: Callable[[Step], None] | None,
 ) -> Result:
     position = known[0]["position"] if known else probe.position
-    at: Array | None = None if position is None else point_of("probe.position", position)
+    at: Array | None = (
+        None if position is None else point_of("probe.position", position, settings.models[0].dimension)
+    )
     start = start_event(settings, at, simulation=getattr(probe, "simulation", None))
     as_read = json.loads(json.dumps(start, allow_nan=False))
     for name in known[0] if known else ():

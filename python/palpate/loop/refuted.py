@@ -60,13 +60,13 @@ def _touched(start: Array, end: Array, contact: Contact, *, sensor: Sensor, gran
         contact.tip_radius,
         path_error_of(sensor, contact.position_error) + granted,
     )
-    return start, end - start, float(np.hypot(*(end - start))) + granted, felt, contact
+    return start, end - start, float(np.hypot.reduce(end - start)) + granted, felt, contact
 
 
 def _passed(free: Miss, *, sensor: Sensor, granted: float) -> _Move | None:
     """That it was passed by; None: the way is too short to tell."""
     way = free.end - free.start
-    length = float(np.hypot(*way)) - granted
+    length = float(np.hypot.reduce(way)) - granted
     if not length > 0.0:
         return None
     felt = Sensor(
