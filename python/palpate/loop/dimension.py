@@ -72,8 +72,6 @@ class Dimension:
     """How far the tip may go from a place along a direction, if paths are to end in the workspace."""
     recognizes_ways: bool
     """Whether recognition is asked of what the loop's own moves swept."""
-    recognition_effort: int | None
-    """For each recognition of the loop."""
     explores: int
     """More moves at most as for first contacts, where no path is promising or many hypotheses are left."""
     many: float
@@ -119,7 +117,6 @@ PLANE = Dimension(
     route=lambda workspace, start, end, directions: perimeter_route(workspace, start, end),
     ends_within=None,
     recognizes_ways=True,
-    recognition_effort=None,
     explores=0,
     many=math.inf,
 )
@@ -139,7 +136,6 @@ SPACE = Dimension(
     ),
     ends_within=explore.way_within,
     recognizes_ways=False,
-    recognition_effort=2_000,
     explores=12,
     many=24,
 )

@@ -163,7 +163,6 @@ class Run:
             misses=misses,
             prior=settings.prior,
             max_hypotheses=settings.max_hypotheses,
-            effort=settings.dimension.recognition_effort,
         )
         moves = [(step.start, step.end, step.reply) for step in self._steps]
         found = Found(recognition, refuted(recognition.hypotheses, moves, settings.sensor))
@@ -179,8 +178,8 @@ class Run:
     def _recognized(self) -> tuple[list[Contact], list[Miss]]:
         """Contacts and misses for recognition: in space without what the loop's own moves swept.
 
-        With that it takes minutes there where the poses are not known well. It is left to `refuted`, which drops what
-        can't have answered a move but cuts no poses.
+        With that it takes minutes where the poses are not known well. It is left to `refuted`, which drops
+        what can't have answered a move but cuts no poses.
         """
         settings = self._settings
         if settings.dimension.recognizes_ways:
