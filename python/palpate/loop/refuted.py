@@ -50,6 +50,18 @@ def refuted(
     return {k: asked[place][0] for k, place in enumerate(first) if place is not None}
 
 
+def without_way(contact: Contact) -> Contact:
+    """The contact as a place alone; what was swept on the way to it is in its guarded move."""
+    return Contact.from_tip(
+        contact.center,
+        contact.tip_radius,
+        position_error=contact.position_error,
+        approach=contact.approach,
+        normal=contact.normal,
+        normal_error=contact.normal_error,
+    )
+
+
 def _touched(start: Array, end: Array, contact: Contact, *, sensor: Sensor, granted: float) -> _Move:
     """That it was touched first where the contact says, all along this line."""
     normal_error = contact.normal_error

@@ -23,7 +23,7 @@ from palpate.loop.dimension import FINER
 from palpate.loop.entries import planned_event, recognized_event
 from palpate.loop.journal import Interrupted, Journal
 from palpate.loop.planning import HARDLY_ANY, is_promising, next_path
-from palpate.loop.refuted import refuted
+from palpate.loop.refuted import refuted, without_way
 from palpate.loop.result import Array, Found, Purpose, Result, Status, Step
 from palpate.loop.settings import Settings
 from palpate.loop.tightness import PATIENCE, Tightness
@@ -185,7 +185,7 @@ class Run:
         if settings.dimension.recognizes_ways:
             return self._contacts, self._misses
         known = len(settings.contacts)
-        return [*self._contacts[:known], *map(_bare, self._contacts[known:])], settings.known
+        return [*self._contacts[:known], *map(without_way, self._contacts[known:])], settings.known
 
     def _decide(self, found: Found) -> None:
         """Touch once more, or end."""
@@ -355,18 +355,6 @@ class Run:
         free = max(0.0, float(direction @ (contact.center - start)) - contact.position_error)
         path_error = path_error_of(self._settings.sensor, contact.position_error)
         return Miss(start, start + free * direction, tip_radius=contact.tip_radius, path_error=path_error)
-
-
-def _bare(contact: Contact) -> Contact:
-    """The same without its way."""
-    return Contact.from_tip(
-        contact.center,
-        contact.tip_radius,
-        position_error=contact.position_error,
-        approach=contact.approach,
-        normal=contact.normal,
-        normal_error=contact.normal_error,
-    )
 
 
 def _reason(reply: Reply) -> str:

@@ -69,7 +69,7 @@ def _draw_node(axes: Axes, tree: AmbiguityTree, node: AmbiguityNode, *, row: flo
     color = COLORS[2] if node.status == "solved" else COLORS[0] if node.path is not None else CONFLICT
     text = _members(tree, node)
     if node.path is not None:
-        text += f"\npath {_way(node.path)}, margin {node.path.margin:.3g} {unit}"
+        text += f"\npath {_way(node.path)} margin {node.path.margin:.3g} {unit}"
     elif node.status != "solved":
         text += f"\n{STATUS[node.status]}"
     axes.text(
@@ -89,8 +89,8 @@ def _way(path: Path) -> str:
     """In the plane its angle, in space its direction."""
     if len(path.direction) == 2:
         x, y = path.direction
-        return f"at {math.degrees(math.atan2(y, x)):.1f}°"
-    return f"along ({', '.join(f'{component:.2f}' for component in path.direction)})"
+        return f"at {math.degrees(math.atan2(y, x)):.1f}°,"
+    return f"along ({', '.join(f'{component:.2f}' for component in path.direction)}),\n"
 
 
 def _members(tree: AmbiguityTree, node: AmbiguityNode) -> str:

@@ -157,11 +157,16 @@ def _draw_step(axes: Axes, step: Step, *, faint: bool) -> None:
     color = FAINT if faint or step.path is None else SENSED
     alpha = 0.5 if faint else 1.0
     stopped = step.stopped
+    if len(step.start) == 3 and not isinstance(step.reply, Hit):
+        # Many go through all the box: those that met nothing must not hide the part, nor free moves either.
+        if stopped is not None:
+            axes.plot(*np.array([step.start, stopped]).T, color=color, alpha=0.3 * alpha, lw=0.8, zorder=1)
+        return
     ahead = np.array([step.start if stopped is None else stopped, step.end])
     axes.plot(*ahead.T, color=color, alpha=alpha, lw=1.0, ls=(0, (5, 3)), zorder=6)
     if stopped is not None:
         axes.plot(*np.array([step.start, stopped]).T, color=color, alpha=alpha, lw=1.6, zorder=7)
-    if len(step.route) > 1:
+    if len(step.route) > 1 and len(step.start) == 2:
         axes.plot(*np.array(step.route).T, color=FAINT, alpha=0.5 * alpha, lw=0.9, ls=(0, (1, 2)), zorder=1)
     axes.plot(*step.start[:, None], marker="o", ms=3.5, color=color, alpha=alpha, zorder=8)
     if isinstance(step.reply, Skid):

@@ -173,7 +173,7 @@ def draw_box(axes: Any, corners: Array, *, color: str) -> None:
     """The edges of a box between two opposite corners, shape `(2, 3)`."""
     places = np.array(list(np.ndindex(2, 2, 2)))
     edges = [(a, b) for a in places for b in places if (b - a).sum() == 1 and (b >= a).all()]
-    ends = np.take_along_axis(corners[None], np.array(edges), axis=1) if edges else np.empty((0, 2, 3))
+    ends = np.take_along_axis(corners[None], np.array(edges), axis=1)
     axes.add_collection3d(Line3DCollection(ends, colors=color, linewidths=0.8, zorder=0), autolim=False)
 
 
