@@ -56,6 +56,8 @@ class Dimension:
     """How to give them."""
     without_normals: int
     """Contacts that are acquired of a probe that reads no normals: one more than a pose has unknowns."""
+    with_balls: int
+    """Contacts that are acquired at least with a tip that has a radius."""
     independent: Callable[[Sequence[Contact]], bool]
     """Whether normals are as far from parallel as two are to be (4.1); in space three, from one plane."""
     smallest_width: Callable[[Sequence[Model]], float]
@@ -98,6 +100,7 @@ def _explorations(search: Search, finest: float) -> Acquisition:
         region=region_of(search.models, search.workspace, search.prior),
         contacts=search.contacts,
         width=explore.smallest_width(search.models),
+        size=max(model.size for model in search.models),
     )
 
 
@@ -109,6 +112,7 @@ PLANE = Dimension(
     kinds=("face", "vertex"),
     directions="((dx, dy), half_angle)",
     without_normals=4,
+    with_balls=0,
     independent=acquire.independent,
     smallest_width=acquire.smallest_width,
     acquisition=lambda search, finest: Scans(search.workspace, finest, search.directions),
@@ -126,6 +130,8 @@ SPACE = Dimension(
     kinds=("face", "edge", "vertex"),
     directions="((dx, dy, dz), half_angle)",
     without_normals=7,
+    # A ball may rest on any edge: three contacts leave hundreds of hypotheses, slower than two moves.
+    with_balls=5,
     independent=explore.independent,
     smallest_width=explore.smallest_width,
     acquisition=_explorations,

@@ -20,6 +20,8 @@ NUM_DIRECTIONS = 96  # evenly spread over the sphere; those that are allowed are
 MOST_AIMED = 60  # lines at what was touched
 UNDER = 0.02  # of the smallest width: so far under the surface a line at a contact aims
 TIMES_ITS_BOUND = 3.0  # and at least so many position errors
+AT_FIRST = 5  # lines at contacts, before every second one goes beside them
+BELOW = 0.05  # of the size: so far under the contacts' middle lines beside them go
 REPEATED = 2.0  # HEURISTIC: how much a line that resembles one before it is worth less
 SHARPNESS = 8  # HEURISTIC: at which power of the cosine of their angle two directions resemble each other
 
@@ -78,7 +80,8 @@ class Explorations:
     Where nothing was touched, they go through the middle of the region, then of its halves, quarters, ...,
     along its axes, as `Scans` do in the plane. From then on each goes through a place just under one that was
     touched: there the part is, so that it is touched again; and it goes where a new normal is to be expected,
-    square to those that were met.
+    square to those that were met. After a few, every second one passes beside the contacts: faces that no
+    such line meets, as sides of a part that is touched from above only, are sought as far as it may reach.
     """
 
     def __init__(
@@ -90,6 +93,7 @@ class Explorations:
         region: Array,
         contacts: Sequence[Contact],
         width: float,
+        size: float,
     ) -> None:
         """Explorations of a workspace.
 
@@ -100,11 +104,12 @@ class Explorations:
             region: As `region_of` gives it.
             contacts: What was touched; what is added to it later counts from then on.
             width: Of the thinnest part.
+            size: Of the largest.
         """
         self._workspace = workspace
         self._contacts = contacts
         self._under = UNDER * width
-        self._width = width
+        self._width, self._size = width, size
         allowed = _allowed(directions)
         spread = [d for d in _spread(NUM_DIRECTIONS) if allowed(d)]
         axes = [side * axis for side in (1.0, -1.0) for axis in np.eye(3) if allowed(side * axis)]
@@ -157,6 +162,10 @@ class Explorations:
         if len(self._aimed) >= MOST_AIMED:
             return None
         normals = np.array([_outward(contact) for contact in self._contacts])
+        tries = len(self._aimed)
+        beside = self._beside(normals, tries // 2) if tries >= AT_FIRST and tries % 2 else None
+        if beside is not None:
+            return beside
         # A face is met straight on along its normal: least of what is known already is met square to all.
         known = np.sum((self._ways @ normals.T) ** 2, axis=1) / len(normals)
         best: tuple[float, int, int] | None = None
@@ -174,6 +183,23 @@ class Explorations:
         ends = self._aim(number, self._ways[k])
         assert ends is not None
         self._aimed.append((number, self._ways[k]))
+        return Scan(*ends, self._width)
+
+    def _beside(self, normals: Array, number: int) -> Scan | None:
+        """Towards the middle of the contacts from where least is known of, on either side in turn.
+
+        Shares of the size as in the van der Corput sequence: halves, quarters, eighths, ...
+        """
+        seldom, side = np.linalg.svd(normals)[2][-1], 1.0 if number % 2 else -1.0
+        digits = f"{number // 2 + 1:b}"[::-1]
+        share = sum(int(digit) / 2 ** (k + 1) for k, digit in enumerate(digits))
+        middle = np.mean([contact.center for contact in self._contacts], axis=0)
+        place = middle + side * share * self._size * seldom - BELOW * self._size * normals.mean(axis=0)
+        way = self._ways[int(np.argmax(self._ways @ (-side * seldom)))]
+        ends = _ends(self._workspace, place, way)
+        if ends is None:
+            return None
+        self._aimed.append((-1, way))
         return Scan(*ends, self._width)
 
     def _aim(self, number: int, way: Array) -> tuple[Array, Array] | None:

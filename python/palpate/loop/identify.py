@@ -71,7 +71,7 @@ def identify(  # noqa: PLR0917 - the four that every call has
         misses: What was missed before. One that states no path error has that of the sensor.
         blind: Go on with blind scans until so many contacts (with a normal, if the sensor reads them) are
             had. None: until two normals are independent, or, without normals, until there are four contacts;
-            in space three, and seven.
+            in space three, of a ball after five contacts, and seven.
         planner: As for `plan`; the same for `stop`, `directions`, `margin`, `effort` and `features`.
         stop: As for `plan`.
         directions: As for `plan`; it holds for scans too.

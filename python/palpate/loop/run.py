@@ -138,7 +138,8 @@ class Run:
             return sum(one.normal is not None or not reads_normals for one in contacts) >= blind
         if not reads_normals:
             return len(contacts) >= settings.dimension.without_normals
-        return settings.dimension.independent(contacts)
+        least = settings.dimension.with_balls if settings.sensor.tip_radius > 0.0 else 0
+        return len(contacts) >= least and settings.dimension.independent(contacts)
 
     def _scan(self, finest: float) -> bool:
         """The next scan; False if all are made."""
