@@ -4,8 +4,8 @@
 
 Problem `k` of seed `s` has the number `s · 10⁹ + k`. A solid lies at a random pose in a cube, two sizes of
 the largest across, and may be any of four: the bundled ones, or four made by code of the families of
-`random_solids` or `solid_shapes`; with `--parts`, every fourth time of that folder. Tips are points and
-balls. In one of three problems every error is as large as its bound, in the others it is uniform within.
+`random_solids` or `solid_shapes`; with `--parts`, every fourth time of that folder. Tips are points, or
+balls with `--tip-radius`. In one of three problems every error is as large as its bound, in the others it is uniform within.
 Killed and started again, it goes on where it was.
 """
 
@@ -28,7 +28,6 @@ from palpate.experiments.campaign import Row
 from palpate.experiments.experiment import SEEDS
 from palpate.usual import MAX_INCIDENCE_DEG, NORMAL_ERROR_DEG, POSITION_ERROR
 
-TIP_RADII = (0.0, 2.0)
 LIBRARY = 4  # models that it may be
 RIVALS = ["nominal", "chance"]
 
@@ -66,19 +65,21 @@ def library_of(number: int, parts: str | None) -> list[Model]:
     return made
 
 
-def task(number: int, *, parts: str | None = None, beside: Sequence[str] = ()) -> Row:
+def task(
+    number: int, *, parts: str | None = None, tip_radius: float = 0.0, beside: Sequence[str] = ()
+) -> Row:
     """One loop, and the rivals named by `beside` on the same problem."""
     models = library_of(number, parts)
     sensor = Sensor(
         POSITION_ERROR,
         math.radians(NORMAL_ERROR_DEG),
         math.radians(MAX_INCIDENCE_DEG),
-        TIP_RADII[number // 12 % len(TIP_RADII)],
+        tip_radius,
     )
     problem = closed_loop.problem_of(number, models, models[0], sensor=sensor)
     row = closed_loop.row_of(problem, number, beside=beside)
     kind = ("bundled", "random_solids", "solid_shapes", "parts")[number % (3 if parts is None else 4)]
-    return {**row, "solid": row["part"], "part": kind, "tip_radius": sensor.tip_radius}
+    return {**row, "solid": row["part"], "part": kind}
 
 
 def sections(rows: list[Row]) -> list[str]:
@@ -105,16 +106,21 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--problems", type=int, default=1_000, help="how many (1000)")
     parser.add_argument("--seed", type=int, default=0, help="which problems (0)")
     parser.add_argument("--parts", type=Path, help="folder of public parts; left out if it is not there")
+    parser.add_argument("--tip-radius", type=float, default=0.0, help="of a ball (0: a point)")
     parser.add_argument("--alone", action="store_true", help="not beside other ways to choose the touch")
     parser.add_argument("--cluster", help=campaign.CLUSTER_HELP)
     parser.add_argument(
         "--out", type=Path, default=Path("out/campaign-loop-space.jsonl"), help="file of the rows"
     )
     options = parser.parse_args(arguments)
-    if options.problems < 1 or options.seed < 0:
-        parser.error("--problems must be 1 or more, --seed 0 or more")
+    if options.problems < 1 or options.seed < 0 or not 0.0 <= options.tip_radius < math.inf:
+        parser.error("--problems must be 1 or more, --seed and --tip-radius 0 or more")
     parts = None if options.parts is None or not options.parts.is_dir() else str(options.parts)
-    settings: dict[str, Any] = {"parts": parts, "beside": [] if options.alone else RIVALS}
+    settings: dict[str, Any] = {
+        "parts": parts,
+        "tip_radius": options.tip_radius,
+        "beside": [] if options.alone else RIVALS,
+    }
     first = options.seed * SEEDS
     try:
         numbers = range(first, first + options.problems)

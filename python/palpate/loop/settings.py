@@ -96,6 +96,14 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
                 f"models: must be all of the plane or all of space (got {listed[0].name!r} of dimension "
                 f"{dimension} and {model.name!r} of {model.dimension}); identify them apart"
             )
+    prior, planner = given["prior"], given["planner"]
+    if isinstance(prior, Prior) and len(prior.world_from_model) != dimension + 1:
+        raise ValueError(
+            f"prior: must be of dimension {dimension} as the models are (got one of "
+            f"{len(prior.world_from_model) - 1}); give a pose of shape {(dimension + 1, dimension + 1)}"
+        )
+    if planner not in DIMENSIONS[dimension].planners and planner in DIMENSIONS[2].planners:
+        raise ValueError(f'planner: is of the plane only (got {planner!r}); give "auto" for solids')
     if not isinstance(sensor, Sensor):
         raise ValueError(f"sensor: must be a Sensor (got {sensor!r}); give palpate.Sensor")
     mm_per(given["unit"], "unit")
