@@ -5,8 +5,8 @@
 Problem `k` of seed `s` has the number `s · 10⁹ + k`. A solid lies at a random pose in a cube, two sizes of
 the largest across, and may be any of four: the bundled ones, or four made by code of the families of
 `random_solids` or `solid_shapes`; with `--parts`, every fourth time of that folder. Tips are points, or
-balls with `--tip-radius`. In one of three problems every error is as large as its bound, in the others it is uniform within.
-Killed and started again, it goes on where it was.
+balls with `--tip-radius`. In one of three problems every error is as large as its bound, in the others it is
+uniform within. Killed and started again, it goes on where it was.
 """
 
 from __future__ import annotations
