@@ -1,7 +1,6 @@
 """Bad input in space, the plane mixed with it, and what works in the plane only: each gets one line."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,13 +17,11 @@ def hypotheses():
     return palpate.recognize([bracket()], touches()).hypotheses
 
 
-IDLE = SimpleNamespace(touch=print, move=print, position=print)
 PLANE_ONLY = [
     lambda: hypotheses()[0].poses.outline((0, 0, 0)),
     lambda: hypotheses()[0].poses.thesis_pose.excursion((0, 0, 0)),
     lambda: palpate.projection_space(hypotheses(), usual_sensor()),
     lambda: palpate.Lines(hypotheses(), usual_sensor()),
-    lambda: palpate.identify([bracket()], IDLE, usual_sensor(), [[0, 0], [1, 1]]),
 ]
 
 

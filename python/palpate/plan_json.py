@@ -16,6 +16,7 @@ from palpate._core import (
     Sensor,
     Touch,
 )
+from palpate.probe.simulated import stem_entry
 
 
 def _degrees(angle: float) -> float:
@@ -31,6 +32,7 @@ def sensor_entry(sensor: Sensor) -> dict[str, Any]:
         "max_incidence_deg": _degrees(sensor.max_incidence),
         "tip_radius": sensor.tip_radius,
         "path_error": sensor.path_error,
+        **stem_entry(sensor),
     }
 
 

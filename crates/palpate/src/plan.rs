@@ -167,7 +167,7 @@ pub fn normalized<V: Dimension>(direction: V) -> Option<V> {
 }
 
 /// The direction itself, if it is a unit vector to rounding.
-fn unit<V: Dimension>(direction: V) -> Option<V> {
+pub(crate) fn unit<V: Dimension>(direction: V) -> Option<V> {
     let is_unit = (direction.dot(direction) - 1.0).abs() <= 4.0 * f64::EPSILON;
     if is_unit { Some(direction) } else { normalized(direction) }
 }

@@ -14,7 +14,7 @@ from palpate import replay as replay_run
 from palpate.cli import identify_options, options, plan_options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import print_document
-from palpate.cli.parts import Parts, load_parts, part_notes, plane_only
+from palpate.cli.parts import Parts, load_parts, part_notes
 from palpate.cli.plan_report import sensor_words
 from palpate.cli.recognize import pose_of, prior_of
 from palpate.cli.run_report import Story, check_run_picture, draw_run, print_result, result_document
@@ -24,10 +24,11 @@ from palpate.loop.route import Array, workspace_of
 from palpate.loop.settings import MAX_TOUCHES
 from palpate.probe import Noise as NoiseName
 from palpate.probe import random_pose
+from palpate.rotations import vector_of
 from palpate.truth import number_of_truth
 from palpate.usual import MAX_INCIDENCE_DEG, POSITION_ERROR
 
-ACROSS = 3.0  # the workspace in sizes of the largest part, if it is not given
+ACROSS = {2: 3.0, 3: 2.0}  # the workspace in sizes of the largest part, if it is not given
 ROOM = 0.02  # of the part, between it and the border, at a random pose
 
 
@@ -49,6 +50,7 @@ def identify(
     prior_pose: options.PriorPose = None,
     prior_translation: options.PriorTranslation = None,
     prior_rotation_deg: options.PriorRotationDeg = None,
+    on_table: options.OnTable = None,
     features: options.Features = None,
     max_hypotheses: options.MaxHypotheses = None,
     contacts: identify_options.ContactsFile = None,
@@ -74,7 +76,8 @@ def identify(
 ) -> None:
     """Which part it is and where, by touch: acquire, recognize, plan, touch, recognize anew.
 
-    A workspace not given is a square of three sizes of the largest part, about the pose or the origin.
+    A workspace not given is about the pose or the origin: a square of three sizes of the largest part, in
+    space a cube of two.
 
     Exit code 0: there is an answer, whatever its status; 2: bad input.
     """
@@ -89,11 +92,15 @@ def identify(
         position_slack=position_slack,
         normal_slack_deg=normal_slack_deg,
     )
-    plane_only(parts.models, "the closed loop")
+    dimension = parts.dimension
     lying = _truth(parts, truth, unit=unit)
-    plane_only([lying], "the closed loop")
+    if lying.dimension != dimension:
+        raise ValueError(
+            f"--truth: {lying.name} has {lying.dimension} dimensions, {parts.models[0].name} has "
+            f"{dimension}; name a part with as many"
+        )
     size = max(model.size for model in [*parts.models, lying])
-    area = _workspace(workspace, pose, size)
+    area = _workspace(workspace, pose, size=size, dimension=dimension)
     normal_error_deg = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)
     normal_error = None if normal_error_deg is None else math.radians(normal_error_deg)
     sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
@@ -123,7 +130,13 @@ def identify(
             lying, world_from_truth, sensor, count=drawn, seed=seed, noise=cast(NoiseName, noise)
         )
         evidence = Evidence(first, [])
-    prior = prior_of(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg)
+    prior = prior_of(
+        prior_pose,
+        translation=prior_translation,
+        rotation_deg=prior_rotation_deg,
+        on_table=on_table,
+        dimension=dimension,
+    )
     settings: dict[str, Any] = {
         "prior": prior or evidence.prior,
         "contacts": evidence.contacts,
@@ -131,7 +144,7 @@ def identify(
         "blind": blind,
         "planner": planner,
         "stop": plan_options.stop_of(stop),
-        "directions": plan_options.directions_of(directions),
+        "directions": plan_options.directions_of(directions, dimension),
         "effort": effort,
         "time_limit": time_limit,
         "features": None if features is None else tuple(features.split(",")),
@@ -201,20 +214,21 @@ def _truth(parts: Parts, name: str | None, *, unit: str) -> Model:
     return loaded[0]
 
 
-def _workspace(text: str | None, pose: str, size: float) -> Array:
-    if text is not None:
-        corners = plan_options.workspace_of(text)
-        assert corners is not None
-        return workspace_of(corners)
-    middle = np.zeros(2) if pose == "random" else pose_of(pose, "--pose")[:2, 2]
-    return np.array([middle - ACROSS / 2 * size, middle + ACROSS / 2 * size])
+def _workspace(text: str | None, pose: str, *, size: float, dimension: int) -> Array:
+    corners = plan_options.workspace_of(text, dimension)
+    if corners is not None:
+        return workspace_of(corners, dimension)
+    known = pose != "random"
+    middle = pose_of(pose, "--pose", dimension)[:-1, -1] if known else np.zeros(dimension)
+    half = ACROSS[dimension] / 2 * size
+    return np.array([middle - half, middle + half])
 
 
 def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: int) -> Array:
     """That of the flag, or a random one at which the part lies inside of the workspace."""
     if text != "random":
-        world_from_model = pose_of(text, "--pose")
-        placed = model.vertices @ world_from_model[:2, :2].T + world_from_model[:2, 2]
+        world_from_model = pose_of(text, "--pose", model.dimension)
+        placed = model.vertices @ world_from_model[:-1, :-1].T + world_from_model[:-1, -1]
         if (placed < workspace[0]).any() or (placed > workspace[1]).any():
             raise ValueError(
                 f"--pose: {model.name} does not lie within the workspace (got {text}); "
@@ -231,8 +245,14 @@ def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: in
 
 def _verdict(result: Result, truth: Model, world_from_truth: Array) -> str:
     """The simulation knows."""
-    x, y = world_from_truth[:2, 2]
-    angle = math.degrees(math.atan2(world_from_truth[1, 0], world_from_truth[0, 0]))
-    lies = f"{truth.name} lies at x {x:.6g}, y {y:.6g}, turned by {angle:.6g}°"
+    place = ", ".join(
+        f"{name} {value:.6g}" for name, value in zip("xyz", world_from_truth[:-1, -1], strict=False)
+    )
+    if truth.dimension == 2:
+        turn = f"{math.degrees(math.atan2(world_from_truth[1, 0], world_from_truth[0, 0])):.6g}°"
+    else:
+        turn = ", ".join(f"{value:.6g}°" for value in np.degrees(vector_of(world_from_truth[:3, :3])))
+        turn = f"({turn})"
+    lies = f"{truth.name} lies at {place}, turned by {turn}"
     kept = number_of_truth(result.hypotheses, truth, world_from_truth) is not None
     return f"the truth: {lies}: {'among what is left' if kept else 'not among what is left'}."

@@ -19,7 +19,8 @@ NOISES = ("uniform", "bounds", "none")
 def pose(text: str) -> str:
     """A pose, or a random one."""
     if text != "random":
-        numbers_of(text, 3, "a pose, X,Y,DEG, or random")
+        in_space = text.count(",") == 5
+        numbers_of(text, 6 if in_space else 3, "a pose, X,Y,DEG, in space X,Y,Z,RX,RY,RZ, or random")
     return text
 
 
@@ -75,7 +76,7 @@ Pose = Annotated[
     typer.Option(
         parser=pose,
         metavar="X,Y,DEG",
-        help="Where it lies; random: somewhere in the workspace.",
+        help="Where it lies, in space X,Y,Z,RX,RY,RZ; random: somewhere in the workspace.",
         rich_help_panel="Simulation",
     ),
 ]
@@ -158,7 +159,8 @@ Blind = Annotated[
     typer.Option(
         parser=options.whole(1, 10**6),
         metavar="N",
-        help="Go on with blind scans until N contacts are had, instead of two independent normals.",
+        help="Go on with blind scans until N contacts are had, instead of two independent normals (in space "
+        "three).",
         show_default=False,
     ),
 ]

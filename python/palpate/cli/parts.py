@@ -67,7 +67,7 @@ def plane_only(models: Sequence[Model], what: str) -> None:
         if model.dimension != 2:
             raise ValueError(
                 f"{model.name}: is a part in space, {what} works in the plane only as yet; "
-                "give parts in the plane, or use palpate recognize"
+                "give parts in the plane"
             )
 
 

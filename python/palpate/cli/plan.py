@@ -23,7 +23,7 @@ from palpate import recognize as recognize_parts
 from palpate.cli import options, plan_options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import print_document, recognition_document
-from palpate.cli.parts import Parts, load_parts, part_notes, plane_only
+from palpate.cli.parts import Parts, load_parts, part_notes
 from palpate.cli.plan_report import print_plan, sensor_words
 from palpate.cli.recognize import prior_of, with_place
 from palpate.cli.report import print_counters, print_recognition
@@ -85,9 +85,11 @@ def plan(
     max_incidence_deg: plan_options.MaxIncidenceDeg = 60.0,
     tip_radius: options.TipRadius = None,
     path_error: plan_options.PathError = None,
+    stem: plan_options.Stem = None,
     prior_pose: options.PriorPose = None,
     prior_translation: options.PriorTranslation = None,
     prior_rotation_deg: options.PriorRotationDeg = None,
+    on_table: options.OnTable = None,
     features: options.Features = None,
     max_hypotheses: options.MaxHypotheses = None,
     planner: plan_options.Planner = "auto",
@@ -130,7 +132,9 @@ def plan(
         position_slack=position_slack,
         normal_slack_deg=normal_slack_deg,
     )
-    plane_only(parts.models, "planning")
+    if parts.dimension == 3 and (plot_projection is not None or plot_sheaves is not None):
+        flag = "--plot-projection" if plot_projection is not None else "--plot-sheaves"
+        raise ValueError(f"{flag}: draws lines of the plane only; leave it out for parts in space")
     evidence = read_contacts(
         contacts,
         unit=unit,
@@ -139,7 +143,13 @@ def plan(
         tip_radius=tip_radius,
         path_error=path_error,
     )
-    prior = prior_of(prior_pose, translation=prior_translation, rotation_deg=prior_rotation_deg)
+    prior = prior_of(
+        prior_pose,
+        translation=prior_translation,
+        rotation_deg=prior_rotation_deg,
+        on_table=on_table,
+        dimension=parts.dimension,
+    )
     evidence = replace(evidence, prior=prior or evidence.prior)
     sensor = plan_options.sensor_of(
         evidence.contacts,
@@ -149,6 +159,7 @@ def plan(
         max_incidence_deg=max_incidence_deg,
         tip_radius=tip_radius,
         path_error=path_error,
+        stem=stem,
     )
     kinds = None if features is None else tuple(features.split(","))
     limit = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
@@ -157,8 +168,8 @@ def plan(
     search: dict[str, Any] = {
         "planner": planner,
         "stop": plan_options.stop_of(stop),
-        "workspace": plan_options.workspace_of(workspace),
-        "directions": plan_options.directions_of(directions),
+        "workspace": plan_options.workspace_of(workspace, parts.dimension),
+        "directions": plan_options.directions_of(directions, parts.dimension),
         "avoid_assigned": avoid_assigned,
         "time_limit": time_limit,
         "effort": effort,

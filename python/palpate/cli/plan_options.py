@@ -55,34 +55,66 @@ def stop_of(text: str) -> Any:
 
 def workspace(text: str) -> str:
     """Two opposite corners."""
-    x0, y0, x1, y1 = numbers_of(text, 4, "two opposite corners, X0,Y0,X1,Y1")
-    if x0 == x1 or y0 == y1:
-        raise typer.BadParameter(f"must have an area (got {text!r})")
+    d = 3 if text.count(",") == 5 else 2
+    corners = numbers_of(text, 2 * d, "two opposite corners, X0,Y0,X1,Y1, or X0,Y0,Z0,X1,Y1,Z1 in space")
+    if any(a == b for a, b in zip(corners[:d], corners[d:], strict=True)):
+        raise typer.BadParameter(f"must have {'an area' if d == 2 else 'a volume'} (got {text!r})")
     return text
 
 
 def directions(text: str) -> str:
     """A direction and an angle."""
-    _, half = numbers_of(text, 2, "a direction and how far from it, DEG,HALF")
+    count = 4 if text.count(",") == 3 else 2
+    *toward, half = numbers_of(
+        text, count, "a direction and how far from it, DEG,HALF, or DX,DY,DZ,HALF in space"
+    )
     if not 0.0 <= half <= 180.0:
         raise typer.BadParameter(f"must have a half angle from 0 to 180 degrees (got {text!r})")
+    if count == 4 and not any(toward):
+        raise typer.BadParameter(f"must point somewhere (got {text!r})")
     return text
 
 
-def workspace_of(text: str | None) -> list[list[float]] | None:
+def workspace_of(text: str | None, dimension: int) -> list[list[float]] | None:
+    """The same as Python has it, for parts of a dimension."""
+    if text is None:
+        return None
+    corners = [float(part) for part in text.split(",")]
+    if len(corners) != 2 * dimension:
+        form = {2: "X0,Y0,X1,Y1 for parts in the plane", 3: "X0,Y0,Z0,X1,Y1,Z1 for parts in space"}
+        raise ValueError(f"--workspace: must be {form[dimension]} (got {text!r}); give so many numbers")
+    return [corners[:dimension], corners[dimension:]]
+
+
+def directions_of(text: str | None, dimension: int) -> tuple[tuple[float, ...], float] | None:
+    """The same as Python has it, for parts of a dimension."""
+    if text is None:
+        return None
+    *toward, half_deg = (float(part) for part in text.split(","))
+    if len(toward) != {2: 1, 3: 3}[dimension]:
+        form = {2: "DEG,HALF for parts in the plane", 3: "DX,DY,DZ,HALF for parts in space"}
+        raise ValueError(f"--directions: must be {form[dimension]} (got {text!r}); give so many numbers")
+    half = min(math.radians(half_deg), math.pi)
+    if dimension == 3:
+        return tuple(toward), half
+    angle = math.radians(toward[0])
+    return (math.cos(angle), math.sin(angle)), half
+
+
+def stem(text: str) -> str:
+    """A rod: direction, radius, length."""
+    *direction, radius, length = numbers_of(text, 5, "a rod from the tip, DX,DY,DZ,RADIUS,LENGTH")
+    if not any(direction) or radius < 0.0 or length <= 0.0:
+        raise typer.BadParameter(f"must point somewhere and have a length above zero (got {text!r})")
+    return text
+
+
+def stem_of(text: str | None) -> tuple[tuple[float, ...], float, float] | None:
     """The same as Python has it."""
     if text is None:
         return None
-    x0, y0, x1, y1 = (float(part) for part in text.split(","))
-    return [[x0, y0], [x1, y1]]
-
-
-def directions_of(text: str | None) -> tuple[tuple[float, float], float] | None:
-    """The same as Python has it."""
-    if text is None:
-        return None
-    angle, half = (math.radians(float(part)) for part in text.split(","))
-    return (math.cos(angle), math.sin(angle)), min(half, math.pi)
+    *direction, radius, length = (float(part) for part in text.split(","))
+    return tuple(direction), radius, length
 
 
 def sensor_of(
@@ -94,6 +126,7 @@ def sensor_of(
     max_incidence_deg: float,
     tip_radius: float | None,
     path_error: float | None,
+    stem: str | None = None,
 ) -> Sensor:
     """That of the flags; what they leave open is as the contacts have it."""
     if position_error is None:
@@ -114,6 +147,7 @@ def sensor_of(
         math.radians(max_incidence_deg),
         tip_radius=tip_radius,
         path_error=path_error or 0.0,
+        stem=stem_of(stem),
     )
 
 
@@ -145,12 +179,21 @@ PathError = Annotated[
         rich_help_panel="Sensor",
     ),
 ]
+Stem = Annotated[
+    str | None,
+    typer.Option(
+        parser=stem,
+        metavar="DX,DY,DZ,RADIUS,LENGTH",
+        help="In space, the rod that carries the tip: only paths on which it surely touches nothing first.",
+        rich_help_panel="Sensor",
+    ),
+]
 Planner = Annotated[
     str,
     typer.Option(
         parser=one_of(PLANNERS),
         metavar="NAME",
-        help="auto, complete (all lines), ellis, grimson or schneiter.",
+        help="auto, complete (all lines), ellis, grimson or schneiter; in space auto.",
     ),
 ]
 Stop = Annotated[
@@ -166,13 +209,16 @@ Workspace = Annotated[
     typer.Option(
         parser=workspace,
         metavar="X0,Y0,X1,Y1",
-        help="Paths begin at the border of this rectangle; else just outside of all hypotheses.",
+        help="Paths begin at the border of this rectangle, or box (X0,Y0,Z0,X1,Y1,Z1); else just outside of "
+        "all hypotheses.",
     ),
 ]
 Directions = Annotated[
     str | None,
     typer.Option(
-        parser=directions, metavar="DEG,HALF", help="Only directions of travel within HALF degrees of DEG."
+        parser=directions,
+        metavar="DEG,HALF",
+        help="Only directions of travel within HALF degrees of DEG; in space DX,DY,DZ,HALF.",
     ),
 ]
 AvoidAssigned = Annotated[

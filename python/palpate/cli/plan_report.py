@@ -28,6 +28,7 @@ WHY = {
     "--effort allows more.",
     "incomplete": "One hypothesis is listed of more that may be left: see above.",
     "searched": "This planner looks at some lines only; --planner complete looks at all.",
+    "searched in space": "The search looks at some lines only: there may be a better one.",
 }
 
 
@@ -42,6 +43,10 @@ def sensor_words(sensor: Sensor, *, unit: str) -> str:
         words += f", tip radius {sensor.tip_radius:g} {unit}"
     if sensor.path_error:
         words += f", off its line by up to {sensor.path_error:g} {unit}"
+    if sensor.stem is not None:
+        (x, y, z), radius, length = sensor.stem
+        words += f", on a stem along ({x:.4g}, {y:.4g}, {z:.4g})"
+        words += f" of radius {radius:g} {unit}, {length:g} {unit} long"
     return words
 
 
@@ -56,7 +61,9 @@ def print_plan(
     complete: bool,
 ) -> None:
     """The next path; `labels` name each hypothesis's part, `size` is that of the smallest part."""
-    name = "incomplete" if report.why == "solved" and not complete else report.why
+    name: str = "incomplete" if report.why == "solved" and not complete else report.why
+    if name == "searched" and report.path is not None and len(report.path.direction) == 3:
+        name = "searched in space"
     why = WHY[name].format(m=f"{margin:.3g} {unit}", bound=f"{report.bound:.4g}")
     if report.path is None:
         if report.why != "solved":
@@ -64,13 +71,13 @@ def print_plan(
         console.print(why, soft_wrap=True)
         return
     path = report.path
-    (x, y), direction = path.start, path.direction
-    angle_deg = math.degrees(math.atan2(direction[1], direction[0]))
-    at = (
-        f"from ({decimal(x, size)}, {decimal(y, size)}) in direction ({direction[0]:.4f}, {direction[1]:.4f})"
-    )
+    start = ", ".join(decimal(coordinate, size) for coordinate in path.start)
+    direction = ", ".join(f"{component:.4f}" for component in path.direction)
+    at = f"from ({start}) in direction ({direction})"
+    if len(path.direction) == 2:
+        at += f", {math.degrees(math.atan2(path.direction[1], path.direction[0])):.2f}°"
     console.print(
-        f"[bold]next path[/bold]: {at}, {angle_deg:.2f}°, up to {decimal(path.length, size)} {unit}",
+        f"[bold]next path[/bold]: {at}, up to {decimal(path.length, size)} {unit}",
         soft_wrap=True,
     )
     for line in (_worth(path), _margin(path, margin, unit=unit), why):
@@ -102,7 +109,8 @@ def _margin(path: Path, wanted: float, *, unit: str) -> str:
 def _answers(path: Path, labels: Sequence[str], *, size: float, unit: str) -> Table:
     """What each answer would leave."""
     table = Table(box=box.SIMPLE_HEAD)
-    for head in ("answer", f"at ({unit})", "normal (°)", "on", "leaves"):
+    in_plane = len(path.direction) == 2
+    for head in ("answer", f"at ({unit})", "normal (°)" if in_plane else "normal", "on", "leaves"):
         table.add_column(head)
     outcome_of = {outcome.hypothesis: outcome for outcome in path.outcomes}
     for members in path.classes:
@@ -112,7 +120,7 @@ def _answers(path: Path, labels: Sequence[str], *, size: float, unit: str) -> Ta
         table.add_row(
             _answer(among),
             f"{decimal(low, size)} to {decimal(high, size)}" if depths else "",
-            _normals(path, among),
+            (_normals if in_plane else _caps)(path, among),
             _features(among),
             ", ".join(f"{member + 1} {escape(labels[member])}" for member in members),
         )
@@ -135,6 +143,18 @@ def _normals(path: Path, outcomes: Sequence[Outcome]) -> str:
     if not near:
         return ""
     return f"{math.degrees(back + min(near)):.1f} to {math.degrees(back + max(near)):.1f}"
+
+
+def _caps(path: Path, outcomes: Sequence[Outcome]) -> str:
+    """In space: how steeply to the line they are met."""
+    back = -path.direction
+    caps = [touch.normal_cap for outcome in outcomes for touch in outcome.touches]
+    off = [(math.acos(max(-1.0, min(1.0, float(axis @ back)))), angle) for axis, angle in caps]
+    if not off:
+        return ""
+    low = max(0.0, min(middle - angle for middle, angle in off))
+    high = min(math.pi, max(middle + angle for middle, angle in off))
+    return f"{math.degrees(low):.1f}° to {math.degrees(high):.1f}° off the way back"
 
 
 def _features(outcomes: Sequence[Outcome]) -> str:

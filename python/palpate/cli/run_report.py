@@ -56,7 +56,7 @@ class Story:
         left = "" if step.hypotheses is None else f"; {hypotheses_words(len(step.hypotheses))} left"
         self._console.print(
             f"{self._number:3} {PURPOSES[step.purpose]} from {_place(step.start, self._size)}"
-            f" at {_angle_deg(step.end - step.start):.1f}°: {met}{left}",
+            f" {_way(step.end - step.start)}: {met}{left}",
             markup=False,
             soft_wrap=True,
         )
@@ -166,7 +166,7 @@ def _step(step: Step) -> dict[str, Any]:
 def _met(step: Step, size: float) -> str:
     match step.reply:
         case Hit(contact):
-            normal = "" if contact.normal is None else f", normal {_angle_deg(contact.normal):.1f}°"
+            normal = "" if contact.normal is None else f", normal {_toward(contact.normal)}"
             return f"touched at {_place(contact.center, size)}{normal}"
         case Miss():
             return "touched nothing"
@@ -181,8 +181,16 @@ def _met(step: Step, size: float) -> str:
 
 
 def _place(point: Any, size: float) -> str:
-    return f"({decimal(point[0], size)}, {decimal(point[1], size)})"
+    return f"({', '.join(decimal(coordinate, size) for coordinate in point)})"
 
 
-def _angle_deg(direction: Any) -> float:
-    return math.degrees(math.atan2(direction[1], direction[0]))
+def _way(direction: Any) -> str:
+    return f"{'at' if len(direction) == 2 else 'along'} {_toward(direction)}"
+
+
+def _toward(direction: Any) -> str:
+    """In the plane an angle, in space a unit vector."""
+    if len(direction) == 2:
+        return f"{math.degrees(math.atan2(direction[1], direction[0])):.1f}°"
+    unit = direction / math.hypot(*direction)
+    return f"({', '.join(f'{component:.3f}' for component in unit)})"

@@ -25,10 +25,11 @@ from palpate import (
     identify,
     random_contacts,
 )
-from palpate.experiments import rivals
+from palpate.experiments import rivals, solid_oracle
 from palpate.experiments.checks import TOLERANCE
 from palpate.experiments.oracle import Evidence, valid
 from palpate.experiments.shapes import Array, Shape
+from palpate.experiments.solids import Solid
 from palpate.experiments.thesis_sensor import parts, sensor_of
 from palpate.probe import Noise, random_pose
 from palpate.truth import number_of_truth
@@ -91,7 +92,7 @@ def problem_of(
     random = np.random.default_rng([number, 1])
     half, room = ACROSS / 2.0 * max(model.size for model in [*models, truth]), ROOM * truth.size
     room += 2.0 * sensor.tip_radius + factor * sensor.path_error
-    workspace = np.array([[-half, -half], [half, half]])
+    workspace = half * np.array([[-1.0], [1.0]]) * np.ones(truth.dimension)
     pose = random_pose(truth, workspace, room=room, random=random)
     noise: Noise = "bounds" if random.uniform() < AT_BOUNDS else "uniform"
     made = scaled(sensor, factor)
@@ -175,7 +176,7 @@ def row_of(
         "first": sum(map(len, result.paths[0].classes)) if result.paths else len(result.hypotheses),
         "left": len(result.hypotheses),
         "travel": result.travel,
-        **contradicted(result),
+        **(contradicted if problem.truth.dimension == 2 else contradicted_in_space)(result),
     }
     for name in beside:
         began = time.perf_counter()
@@ -211,4 +212,30 @@ def contradicted(result: Result) -> Row:
         kinds = ("face", "vertex") if balls else ("face",)
         poses = np.stack([one.poses.witness, one.world_from_model])
         contradicting += not valid(evidence, poses, kinds=kinds, slack=evidence.tolerance(TOLERANCE)).all()
+    return {"contradicted": contradicting, "undecided": undecided}
+
+
+def contradicted_in_space(result: Result) -> Row:
+    """The same in space, of contacts alone: what was swept refutes whole hypotheses there, and cuts no poses.
+
+    Asked of `experiments.solid_oracle`.
+    """
+    contradicting = undecided = 0
+    for one in result.hypotheses:
+        solid = Solid(one.model.name, one.model.vertices, one.model.triangles.astype(np.int64))
+        if not one.proved:
+            undecided += 1
+            continue
+        balls = any(contact.tip_radius > 0.0 for contact in result.contacts)
+        kinds = ("face", "edge", "vertex") if balls else ("face",)
+        poses = np.stack([one.poses.witness, one.world_from_model])
+        least = solid_oracle.tolerance(solid, result.contacts, TOLERANCE)
+        slack = solid_oracle.Slack(
+            least.length + 2.0 * one.model.position_slack, least.angle + 2.0 * one.model.normal_slack
+        )
+        explained = [
+            solid_oracle.explained(solid, poses, contact, slack, kinds=kinds).all()
+            for contact in result.contacts
+        ]
+        contradicting += not all(explained)
     return {"contradicted": contradicting, "undecided": undecided}

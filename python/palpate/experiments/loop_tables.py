@@ -12,7 +12,12 @@ from palpate.experiments.campaign import Row
 from palpate.experiments.pages import digits, share, table
 from palpate.loop.result import Status
 
-WAYS = {"loop": "`identify`", "entropy": "most entropy, 500 random lines", "chance": "random lines"}
+WAYS = {
+    "loop": "`identify`",
+    "entropy": "most entropy, 500 random lines",
+    "nominal": "nominal poses told apart best, 500 random lines",
+    "chance": "random lines",
+}
 SEVERAL = ("inseparable", "no_usable_path")
 STATUSES = [status for status in get_args(Status) if status != "interrupted"]
 

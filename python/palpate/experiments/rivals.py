@@ -1,7 +1,8 @@
-"""Other ways to choose the next touch, on the problems of the closed loop: chance, and entropy of classes.
+"""Other ways to choose the next touch, on the problems of the closed loop.
 
-Both begin with the evidence with which the loop planned its first path, touch with the same probe, and
-recognize anew after each touch as the loop does. Only the choice of the line is theirs.
+Chance; in the plane entropy of classes, in space the line that tells nominal poses apart best. All begin with
+the evidence with which the loop planned its first path, touch with the same probe, and recognize anew after
+each touch as the loop does. Only the choice of the line is theirs.
 """
 
 from __future__ import annotations
@@ -12,16 +13,30 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from palpate import Contact, Hit, Hypothesis, Lines, Miss, Path, Result, Skid, recognize
+from palpate import (
+    Contact,
+    FirstContact,
+    Hit,
+    Hypothesis,
+    Lines,
+    Miss,
+    Path,
+    Recognition,
+    Result,
+    Sensor,
+    Skid,
+    recognize,
+)
 from palpate.experiments.shapes import Array
 from palpate.loop.planning import is_promising
-from palpate.loop.refuted import refuted
+from palpate.loop.refuted import refuted, without_way
 from palpate.loop.settings import MAX_TOUCHES
 from palpate.loop.wander import as_swept, wandering
 
 if TYPE_CHECKING:
     from palpate.experiments.closed_loop import Problem
 
+MOST_TOUCHES = {2: MAX_TOUCHES, 3: 60}
 NUM_LINES = 500  # random lines among which the most telling one is chosen
 
 Line = tuple[Array, Array]
@@ -36,12 +51,12 @@ def touches(name: str, problem: Problem, result: Result, *, number: int) -> dict
     made = [(step.start, step.end, step.reply) for step in result.steps[:moves]]
     random = np.random.default_rng([number, 2])
     while True:
-        found = recognize(problem.models, contacts, misses=misses)
+        found = _recognized(problem, contacts, misses)
         gone = refuted(found.hypotheses, made, problem.sensor)
         left = [one for k, one in enumerate(found.hypotheses) if k not in gone]
         if len(left) < 2:
             return {"touches": len(made), "status": "solved" if left else "unexplained"}
-        spent = len(made) >= MAX_TOUCHES
+        spent = len(made) >= MOST_TOUCHES[problem.truth.dimension]
         line = None if spent else RIVALS[name](problem, left, random)
         if line is None:
             return {"touches": len(made), "status": "budget" if spent else "inseparable"}
@@ -51,6 +66,13 @@ def touches(name: str, problem: Problem, result: Result, *, number: int) -> dict
             contacts.append(reply.contact)
         elif isinstance(reply, Miss | Skid):
             misses.append(as_swept(reply.free if isinstance(reply, Skid) else reply, problem.sensor))
+
+
+def _recognized(problem: Problem, contacts: list[Contact], misses: list[Miss]) -> Recognition:
+    """As the loop does it: in space ways that were swept are left to `refuted`."""
+    if problem.truth.dimension == 3:
+        return recognize(problem.models, [without_way(contact) for contact in contacts])
+    return recognize(problem.models, contacts, misses=misses)
 
 
 def _before_planning(result: Result) -> tuple[list[Contact], list[Miss], int]:
@@ -71,8 +93,13 @@ def _before_planning(result: Result) -> tuple[list[Contact], list[Miss], int]:
 def by_chance(problem: Problem, hypotheses: list[Hypothesis], random: np.random.Generator) -> Line:
     """A random line through a random place of the workspace, whether it can be used or not."""
     low, high = problem.workspace
-    place, angle = random.uniform(low, high), random.uniform(-math.pi, math.pi)
-    way = np.array([math.cos(angle), math.sin(angle)])
+    place = random.uniform(low, high)
+    if len(place) == 2:
+        angle = random.uniform(-math.pi, math.pi)
+        way = np.array([math.cos(angle), math.sin(angle)])
+    else:
+        way = random.normal(size=3)
+        way /= np.linalg.norm(way)
     # Where it enters and leaves the rectangle: between the later of the entries and the earlier of the exits.
     sides = np.stack([(low - place) / way, (high - place) / way])
     return place + sides.min(axis=0).max() * way, place + sides.max(axis=0).min() * way
@@ -98,6 +125,36 @@ def by_entropy(problem: Problem, hypotheses: list[Hypothesis], random: np.random
     return None if best is None else (best[1].start, best[1].end)
 
 
+def by_nominal(problem: Problem, hypotheses: list[Hypothesis], random: np.random.Generator) -> Line | None:
+    """Of so many random lines the one that leaves the fewest, in the mean, were all poses the nominal ones.
+
+    Two are told apart if the depths at which they are met differ by more than both errors, or the normals by
+    more than theirs. None if no line tells any apart.
+    """
+    sensor = wandering(problem.sensor)
+    best: tuple[float, Line] | None = None
+    for _ in range(NUM_LINES):
+        start, end = by_chance(problem, hypotheses, random)
+        way = (end - start) / np.linalg.norm(end - start)
+        met = [
+            one.model.first_contact(one.world_from_model, start, way, sensor.tip_radius) for one in hypotheses
+        ]
+        skids = [one for one in met if one is not None and -way @ one.normal < math.cos(sensor.max_incidence)]
+        left = len(met) if skids else sum(_alike(a, b, sensor) for a in met for b in met) / len(met)
+        if left < len(met) and (best is None or left < best[0]):
+            best = left, (start, end)
+    return None if best is None else best[1]
+
+
+def _alike(a: FirstContact | None, b: FirstContact | None, sensor: Sensor) -> bool:
+    """Whether two exact readings may be the same within the bounds."""
+    if a is None or b is None:
+        return a is b
+    apart = math.acos(max(-1.0, min(1.0, float(a.normal @ b.normal))))
+    told = sensor.normal_error is not None and apart > 2.0 * sensor.normal_error
+    return abs(a.depth - b.depth) <= 2.0 * sensor.position_error and not told
+
+
 def _entropy(path: Path) -> float:
     """Of the classes, in nats."""
     shares = np.array([len(members) for members in path.classes], dtype=float)
@@ -105,4 +162,4 @@ def _entropy(path: Path) -> float:
     return -float(shares @ np.log(shares))
 
 
-RIVALS: dict[str, Chosen] = {"chance": by_chance, "entropy": by_entropy}
+RIVALS: dict[str, Chosen] = {"chance": by_chance, "entropy": by_entropy, "nominal": by_nominal}

@@ -1,6 +1,6 @@
 """The closed loop: acquire, recognize, plan, touch, recognize anew (thesis 4.1)."""
 
-from palpate.loop.acquire import random_contacts
+from palpate.loop.drawn import random_contacts
 from palpate.loop.identify import identify
 from palpate.loop.replay import replay
 from palpate.loop.result import Found, Result, Step

@@ -1,4 +1,4 @@
-"""The first contacts: binary subdivision of the workspace, or random places of a model (thesis 4.1, 4.2)."""
+"""The first contacts in the plane: binary subdivision of the workspace (thesis 4.1)."""
 
 from __future__ import annotations
 
@@ -10,16 +10,13 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from palpate._core import Contact, Model, Sensor
-from palpate.probe import Hit, Noise, SimulatedProbe
+from palpate._core import Contact, Model
 
 Array: TypeAlias = NDArray[np.float64]
 
 APART = math.radians(15)  # beyond the errors of two normals: so far apart, they are independent
-WITHOUT_NORMALS = 4  # contacts that are acquired of a probe that reads none: a pose has three unknowns
 FINER = 4  # times the smallest width: the finest scans of a blind search
 THINNEST = 16  # the length of a part in its width: thinner ones are scanned as if they were as wide
-MOST_TRIES = 1000
 
 
 @dataclass(frozen=True)
@@ -93,108 +90,12 @@ def independent(contacts: Sequence[Contact]) -> bool:
     return False
 
 
-def enough(contacts: Sequence[Contact], sensor: Sensor, blind: int | None) -> bool:
-    """Whether acquisition may end: independent normals, or as many as a blind search is to have."""
-    if blind is not None:
-        wanted = contacts if sensor.normal_error is None else [c for c in contacts if c.normal is not None]
-        return len(wanted) >= blind
-    return len(contacts) >= WITHOUT_NORMALS if sensor.normal_error is None else independent(contacts)
-
-
 def smallest_width(models: Sequence[Model]) -> float:
     """The least distance of two parallel lines that hold a model between them; of all models.
 
     A part that is as good as a line counts as having a share of its length.
     """
     return min(max(_width(model.vertices), model.size / THINNEST) for model in models)
-
-
-def random_contacts(
-    model: Model,
-    world_from_model: ArrayLike,
-    sensor: Sensor,
-    *,
-    count: int = 2,
-    seed: int = 0,
-    noise: Noise = "uniform",
-) -> list[Contact]:
-    """Contacts at random places of a placed part's faces, for simulation: a probe need not get there (4.2).
-
-    The places are uniform over the outline. Two of the normals are independent, if the sensor reads them and
-    the part has such faces.
-
-    Args:
-        model: The true part.
-        world_from_model: Its pose, shape `(3, 3)`.
-        sensor: Bounds of the errors, which are made as `SimulatedProbe` makes them.
-        count: How many contacts; 1 or more.
-        seed: Chooses the places and the errors.
-        noise: As for `SimulatedProbe`.
-
-    Raises:
-        ValueError: As `SimulatedProbe`; a count below 1; a part without a face that can be touched.
-    """
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise ValueError(f"count: must be a whole number, 1 or more (got {count!r}); give 2")
-    if model.dimension != 2:
-        raise ValueError(
-            f"model: is a part in space (got {model.name!r}); contacts of solids are not drawn here yet: "
-            "give a planar model, or touch with SimulatedProbe"
-        )
-    SimulatedProbe(model, world_from_model, sensor, seed=seed, noise=noise)
-    touchable = [k for k, surface in enumerate(model.face_surfaces) if surface == "touchable"]
-    if not touchable:
-        raise ValueError(f"model: no face of {model.name!r} can be touched (got none); give another part")
-    random = np.random.default_rng(seed)
-    lengths = np.array([math.dist(*model.faces[k]) for k in touchable])
-    contacts: list[Contact] = []
-    for attempt in range(MOST_TRIES):
-        chosen = random.choice(len(touchable), size=count, p=lengths / lengths.sum())
-        places = [(touchable[k], random.uniform()) for k in chosen]
-        contacts = [
-            _contact_at(
-                model, world_from_model, sensor, face=face, share=share, seeds=[seed, attempt, k], noise=noise
-            )
-            for k, (face, share) in enumerate(places)
-        ]
-        if count < 2 or sensor.normal_error is None or independent(contacts):
-            break
-    return contacts
-
-
-def _contact_at(
-    model: Model,
-    world_from_model: ArrayLike,
-    sensor: Sensor,
-    *,
-    face: int,
-    share: float,
-    seeds: list[int],
-    noise: Noise,
-) -> Contact:
-    """The face alone is touched, straight from in front."""
-    alone = Model.segments([model.faces[face]])
-    pose = np.array(world_from_model, dtype=float)
-    rotation, shift = pose[:2, :2], pose[:2, 2]
-    normal = rotation @ model.face_normals[face]
-    place = rotation @ (model.faces[face][0] + share * (model.faces[face][1] - model.faces[face][0])) + shift
-    reach = model.size + sensor.tip_radius
-    still = Sensor(sensor.position_error, sensor.normal_error, sensor.max_incidence, sensor.tip_radius)
-    seed = int(np.random.SeedSequence(seeds).generate_state(1)[0])
-    reply = SimulatedProbe(alone, pose, still, seed=seed, noise=noise).touch(
-        place + reach * normal, place - reach * normal
-    )
-    if not isinstance(reply, Hit):
-        raise AssertionError(f"a face was not met from in front: {reply!r}")
-    contact = reply.contact
-    return Contact.from_tip(
-        contact.center,
-        contact.tip_radius,
-        position_error=contact.position_error,
-        approach=contact.approach,
-        normal=contact.normal,
-        normal_error=contact.normal_error,
-    )
 
 
 def _scan(workspace: Array, axis: int, share: float, *, turned: bool, width: float) -> Scan:

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from palpate._core import Contact, Hypothesis, Miss, Path, PlanReport, Prior, Sensor
 from palpate.loop.result import Found
 from palpate.loop.route import Array
@@ -75,7 +77,7 @@ def settings_in(event: Event) -> Settings:
         [model_of(f"models[{k}]", document) for k, document in enumerate(event["models"])],
         Sensor(**event["sensor"]),
         event["workspace"],
-        prior=None if prior is None else Prior(**prior),
+        prior=None if prior is None else (Prior.on_plane if "tilt" in prior else Prior)(**prior),
         contacts=[contact_in(entry) for entry in event["contacts"]],
         misses=[Miss(**entry) for entry in event["misses"]],
         unit=event["unit"],
@@ -100,7 +102,7 @@ def reply_event(reply: Reply | None) -> Event:
             return {
                 "event": "reply",
                 "kind": "unexpected_touch",
-                "where": point_of("where", reply.where).tolist(),
+                "where": _place("where", reply.where).tolist(),
             }
         case Fault():
             return {"event": "reply", "kind": "fault", "reason": str(reply.reason)}
@@ -124,7 +126,7 @@ def reply_in(event: Event) -> Reply | None:
         case "already_touching":
             return AlreadyTouching()
         case "unexpected_touch":
-            return UnexpectedTouch(point_of("where", event["where"]))
+            return UnexpectedTouch(_place("where", event["where"]))
         case "fault":
             return Fault(event["reason"])
     raise ValueError(f"kind: no such reply (got {event['kind']!r}); name the log of another version")
@@ -144,13 +146,13 @@ def recognized_event(found: Found) -> Event:
     }
 
 
-def planned_event(report: PlanReport) -> Event:
+def planned_event(path: Path | None, report: PlanReport) -> Event:
     """The next path, or why there is none."""
     return {
         "event": "planned",
         "why": report.why,
         "proved": report.proved,
-        "path": None if report.path is None else path_told(report.path),
+        "path": None if path is None else path_told(path),
     }
 
 
@@ -182,11 +184,20 @@ def miss_entry(miss: Miss) -> Event:
 
 
 def _prior_entry(prior: Prior) -> Event:
+    """Its keys are the arguments of `Prior`, or of `Prior.on_plane`."""
+    on_plane = {} if prior.normal is None else {"height": prior.height, "tilt": prior.tilt}
     return {
         "world_from_model": prior.world_from_model.tolist(),
         "translation": prior.translation,
         "rotation": prior.rotation,
+        **on_plane,
+        **({} if prior.normal is None else {"normal": prior.normal.tolist()}),
     }
+
+
+def _place(name: str, value: Any) -> Array:
+    """Of the plane, or of space."""
+    return point_of(name, value, 3 if np.shape(value) == (3,) else 2)
 
 
 def _hypothesis_entry(one: Hypothesis) -> Event:

@@ -47,7 +47,8 @@ def identify(  # noqa: PLR0917 - the four that every call has
 ) -> Result:
     """Find out by touch which part it is and where: until one hypothesis is left, or no path tells (4.1).
 
-    First contacts come from a binary subdivision of the workspace, until two normals are independent (4.1).
+    First contacts come from a binary subdivision of the workspace, until two normals are independent (4.1);
+    in space then from moves at what was touched, until three are.
     Then, so long as several hypotheses are left, the tip goes along the path that tells them apart best, and
     all is recognized anew with what it touched, what it missed and what it swept; hypotheses that can't have
     answered one of the guarded moves are dropped. It goes on while a path is certain to tell some apart, else
@@ -63,13 +64,14 @@ def identify(  # noqa: PLR0917 - the four that every call has
         probe: What moves and touches; `SimulatedProbe`, or your own `Probe`.
         sensor: Bounds of its readings, for planning; each contact brings its own for recognition. The path
             error must hold for all guarded moves. Zero states none: the position error stands for it.
-        workspace: Two opposite corners, shape `(2, 2)`, world frame. Its perimeter is free for the tip, and
-            the part is within.
+        workspace: Two opposite corners, shape `(2, d)`, world frame. Its border is free for the tip, and the
+            part is within; in space it may reach through sides that no direction of `directions` enters by.
         prior: What is known of the pose beforehand.
         contacts: What was touched before; nothing is acquired then, unless `blind` asks for more.
         misses: What was missed before. One that states no path error has that of the sensor.
         blind: Go on with blind scans until so many contacts (with a normal, if the sensor reads them) are
-            had. None: until two normals are independent, or, without normals, until there are four contacts.
+            had. None: until two normals are independent, or, without normals, until there are four contacts;
+            in space three, of a ball after five contacts, and seven.
         planner: As for `plan`; the same for `stop`, `directions`, `margin`, `effort` and `features`.
         stop: As for `plan`.
         directions: As for `plan`; it holds for scans too.
@@ -137,7 +139,9 @@ def _run(
     told: Callable[[Step], None] | None,
 ) -> Result:
     position = known[0]["position"] if known else probe.position
-    at: Array | None = None if position is None else point_of("probe.position", position)
+    at: Array | None = (
+        None if position is None else point_of("probe.position", position, settings.models[0].dimension)
+    )
     start = start_event(settings, at, simulation=getattr(probe, "simulation", None))
     as_read = json.loads(json.dumps(start, allow_nan=False))
     for name in known[0] if known else ():

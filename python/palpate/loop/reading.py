@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -11,6 +12,7 @@ from palpate.loop.settings import Settings
 from palpate.loop.shape import problem_of
 
 FIRST = f'{{"event":"start","schema":"{SCHEMA}","version":{VERSION},'.encode()
+POINTS = ("start", "end", "center", "normal", "approach", "where", "direction")
 LATER = b'{"event":"'
 
 
@@ -86,11 +88,27 @@ def _check(path: Path, number: int, event: Event, *, before: list[Event]) -> Non
         _refuse(path, number, "is out of place: a log has one start, its first line")
     if before and before[-1]["event"] == "end":
         _refuse(path, number, "comes after the end of the run; remove it")
+    if before:
+        wanted = len(before[0]["workspace"][0])
+        for found in _coordinates(event):
+            if found != wanted:
+                _refuse(path, number, f"has a point of {found} coordinates in a run of {wanted}")
     if event["event"] == "reply":
         try:
             reply_in(event)
         except ValueError as error:
             _refuse(path, number, f"is no reply: {error}")
+
+
+def _coordinates(value: Any) -> Iterator[int]:
+    """How many each point in an event has, by the names that points have."""
+    for name, member in value.items() if isinstance(value, dict) else ():
+        if name in POINTS and member is not None:
+            yield len(member)
+        elif name == "points":
+            yield from map(len, member)
+        else:
+            yield from _coordinates(member)
 
 
 def _refuse(path: Path, number: int, problem: str) -> NoReturn:

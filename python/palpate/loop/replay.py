@@ -25,7 +25,7 @@ def replay(log: str | Path, *, told: Callable[[Step], None] | None = None) -> Re
     events = read_log(Path(log))
     settings = settings_of_log(Path(log), events)
     position = events[0]["position"]
-    at = None if position is None else point_of("position", position)
+    at = None if position is None else point_of("position", position, settings.models[0].dimension)
     journal = Journal(events, ends=True)
     journal.record(events[0])
     return Run(settings, None, journal, position=at, told=told).result()

@@ -51,7 +51,7 @@ class Step:
     purpose: Purpose
     """`"scan"`: to acquire contacts. `"path"`: to tell hypotheses apart. `"verify"`: to tighten one."""
     start: Array
-    """Shape `(2,)`, world frame; the same for `end`."""
+    """Shape `(d,)`, world frame; the same for `end`."""
     end: Array
     """Where it was to end."""
     route: list[Array]
@@ -140,10 +140,12 @@ class Result:
     """Of `"inseparable"` and `"no_usable_path"`: whether it is proved for all paths of margin m or more."""
     found: Found | None
     """What the last recognition left; None if there was no contact, whatever the status."""
+    workspace: Array
+    """Its corners of the least and the largest coordinates, shape `(2, d)`, world frame."""
     contacts: list[Contact] = field(default_factory=list[Contact])
     """Everything that was touched reliably, in order."""
     misses: list[Miss] = field(default_factory=list[Miss])
-    """Everything that was swept freely, the border of the workspace first."""
+    """Everything that was swept freely; in the plane the border of the workspace first."""
     steps: list[Step] = field(default_factory=list[Step])
     """Every guarded move, in order."""
     until_met: bool | None = None

@@ -15,21 +15,25 @@ Array: TypeAlias = NDArray[np.float64]
 ON_BORDER = 1e-9  # of the larger side: a place so near to the border is on it
 
 
-def workspace_of(workspace: ArrayLike) -> Array:
-    """Lower left and upper right corner of a rectangle, shape `(2, 2)`.
+def workspace_of(workspace: ArrayLike, dimension: int = 2) -> Array:
+    """The corners with the least and the largest coordinates, shape `(2, d)`, of a rectangle or a box.
 
     Raises:
-        ValueError: Another shape, no area, a number that is not finite.
+        ValueError: Another shape, no area or volume, a number that is not finite.
     """
     try:
         corners = np.array(workspace, dtype=float)
     except (TypeError, ValueError):
         corners = np.array([])
-    good = corners.shape == (2, 2) and np.isfinite(corners).all()
+    good = corners.shape == (2, dimension) and np.isfinite(corners).all()
     if not good or (corners[0] == corners[1]).any():
+        what, example = {
+            2: ("an area", "[[x0, y0], [x1, y1]]"),
+            3: ("a volume", "[[x0, y0, z0], [x1, y1, z1]]"),
+        }[dimension]
         raise ValueError(
-            f"workspace: must be two opposite corners with an area, shape (2, 2) (got {workspace!r}); "
-            "give [[x0, y0], [x1, y1]]"
+            f"workspace: must be two opposite corners with {what}, shape (2, {dimension}) "
+            f"(got {workspace!r}); give {example}"
         )
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,11 +19,11 @@ from palpate._core import (
     verification_path,
     verification_report,
 )
-from palpate.loop.acquire import FINER, Scans, enough, smallest_width
+from palpate.loop.dimension import FINER
 from palpate.loop.entries import planned_event, recognized_event
 from palpate.loop.journal import Interrupted, Journal
 from palpate.loop.planning import HARDLY_ANY, is_promising, next_path
-from palpate.loop.refuted import refuted
+from palpate.loop.refuted import refuted, without_way
 from palpate.loop.result import Array, Found, Purpose, Result, Status, Step
 from palpate.loop.settings import Settings
 from palpate.loop.tightness import PATIENCE, Tightness
@@ -65,8 +66,10 @@ class Run:
         self._tightness = None if settings.until is None else Tightness(settings.until)
         self._seconds = {"recognition": 0.0, "planning": 0.0}
         self._spent = 0.0  # seconds on the last recognition
-        self._width = smallest_width(settings.models)
-        self._scans = Scans(settings.workspace, self._width / FINER, settings.directions)
+        self._width = settings.dimension.smallest_width(settings.models)
+        self._scans = settings.dimension.acquisition(settings.search(self._contacts), self._width / FINER)
+        self._explored = 0
+        self._fewest = sys.maxsize  # hypotheses that were left so far
 
     def result(self) -> Result:
         """Run to the end."""
@@ -81,6 +84,7 @@ class Run:
             end.reason,
             end.proved,
             self._found,
+            self._settings.workspace,
             self._contacts,
             self._misses,
             self._steps,
@@ -116,15 +120,26 @@ class Run:
         )
 
     def _acquire(self) -> None:
-        """First contacts, by binary subdivision of the workspace."""
+        """First contacts: by binary subdivision of the workspace, in space by exploring what was touched."""
         settings = self._settings
         if settings.contacts and settings.blind is None:
             return
         finest = self._width if settings.blind is None else self._width / FINER
-        while not enough(self._contacts, settings.sensor, settings.blind) and self._scan(finest):
+        while not self._is_enough() and self._scan(finest):
             pass
         if not self._contacts:
             raise _Ended("nothing_found", "no scan of the workspace made a reliable contact")
+
+    def _is_enough(self) -> bool:
+        """Whether acquisition may end: independent normals, or as many as a blind search is to have."""
+        settings, contacts = self._settings, self._contacts
+        blind, reads_normals = settings.blind, settings.sensor.normal_error is not None
+        if blind is not None:
+            return sum(one.normal is not None or not reads_normals for one in contacts) >= blind
+        if not reads_normals:
+            return len(contacts) >= settings.dimension.without_normals
+        least = settings.dimension.with_balls if settings.sensor.tip_radius > 0.0 else 0
+        return len(contacts) >= least and settings.dimension.independent(contacts)
 
     def _scan(self, finest: float) -> bool:
         """The next scan; False if all are made."""
@@ -142,10 +157,11 @@ class Run:
         """
         settings = self._settings
         began = time.perf_counter()
+        contacts, misses = self._recognized()
         recognition = recognize(
             settings.models,
-            self._contacts,
-            misses=self._misses,
+            contacts,
+            misses=misses,
             prior=settings.prior,
             max_hypotheses=settings.max_hypotheses,
         )
@@ -159,6 +175,18 @@ class Run:
             self._steps[-1] = replace(self._steps[-1], hypotheses=found.hypotheses)
         self._tell()
         return found
+
+    def _recognized(self) -> tuple[list[Contact], list[Miss]]:
+        """Contacts and misses for recognition: in space without what the loop's own moves swept.
+
+        With that it takes minutes where the poses are not known well. It is left to `refuted`, which drops
+        what can't have answered a move but cuts no poses.
+        """
+        settings = self._settings
+        if settings.dimension.recognizes_ways:
+            return self._contacts, self._misses
+        known = len(settings.contacts)
+        return [*self._contacts[:known], *map(without_way, self._contacts[known:])], settings.known
 
     def _decide(self, found: Found) -> None:
         """Touch once more, or end."""
@@ -208,21 +236,28 @@ class Run:
                 **settings.placed,
                 **settings.judged,
             )
-            self._journal.record(planned_event(report))
-            return report.path, report.why
+            path = None if report.path is None else self._within(report.path, [last])
+            self._journal.record(planned_event(path, report))
+            return path, report.why
         self._journal.record(known)
         path = None
         if known["path"] is not None:
             line = (known["path"]["start"], known["path"]["direction"])
             path = verification_path(last, settings.moved, line=line, **settings.judged)
+            path = None if path is None else self._within(path, [last])
         return path, known["why"]
 
     def _tell_apart(self, hypotheses: list[Hypothesis]) -> None:
         """Go along the best path, if it tells anything."""
+        fewer, self._fewest = len(hypotheses) < self._fewest, min(len(hypotheses), self._fewest)
+        if fewer and len(hypotheses) > self._settings.dimension.many and self._explore():
+            return
         began = time.perf_counter()
         path, why, proved = self._plan(hypotheses)
         self._seconds["planning"] += time.perf_counter() - began
         cut_short = why in ("time", "effort")
+        if not is_promising(path, len(hypotheses)) and not proved and self._explore():
+            return
         if path is None:
             if cut_short:
                 raise _Ended("budget", "planning was cut short before it found a path that can be used")
@@ -238,14 +273,32 @@ class Run:
             )
         self._touch(path.start, path.end, purpose="path", path=path)
 
+    def _explore(self) -> bool:
+        """One more move as for first contacts; False if enough of them were made, or none is left."""
+        if self._explored >= self._settings.dimension.explores:
+            return False
+        self._explored += 1
+        return self._scan(self._width / FINER)
+
+    def _within(self, path: Path, hypotheses: list[Hypothesis]) -> Path:
+        """The path, or as much of it as is in the workspace, where that is all that is free for the tip."""
+        settings = self._settings
+        if settings.dimension.ends_within is None:
+            return path
+        length = settings.dimension.ends_within(settings.workspace, path.start, path.direction)
+        if path.length <= length:
+            return path
+        return judge(hypotheses, settings.moved, path.start, path.direction, length, **settings.judged)
+
     def _plan(self, hypotheses: list[Hypothesis]) -> tuple[Path | None, str, bool]:
         """The path, why it is that one, and whether it is proved best; that of the log, if it has one."""
         settings = self._settings
         known = self._journal.peek("planned")
         if known is None:
             report = next_path(hypotheses, settings, self._steps, time_limit=self._time_left())
-            self._journal.record(planned_event(report))
-            return report.path, report.why, report.proved
+            path = None if report.path is None else self._within(report.path, hypotheses)
+            self._journal.record(planned_event(path, report))
+            return path, report.why, report.proved
         self._journal.record(known)
         path = None
         if known["path"] is not None:
@@ -299,7 +352,7 @@ class Run:
 
     def _way_before(self, contact: Contact, start: Array, end: Array) -> Miss:
         """The free way before a contact that says nothing of it, to within the path error."""
-        direction = (end - start) / np.hypot(*(end - start))
+        direction = (end - start) / np.hypot.reduce(end - start)
         free = max(0.0, float(direction @ (contact.center - start)) - contact.position_error)
         path_error = path_error_of(self._settings.sensor, contact.position_error)
         return Miss(start, start + free * direction, tip_radius=contact.tip_radius, path_error=path_error)

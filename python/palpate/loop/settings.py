@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from palpate._core import Contact, Miss, Model, Prior, Sensor
 from palpate.contacts.entry import mm_per
+from palpate.loop.dimension import DIMENSIONS, Dimension, Search
 from palpate.loop.route import Array, workspace_of
 from palpate.loop.wander import as_swept, wandering
 
@@ -45,6 +45,15 @@ class Settings:
     unit: str
 
     @property
+    def dimension(self) -> Dimension:
+        """The plane, or space."""
+        return DIMENSIONS[self.models[0].dimension]
+
+    def search(self, contacts: Sequence[Contact]) -> Search:
+        """Where first contacts are looked for, beside those that there are."""
+        return Search(self.models, self.workspace, self.directions, self.prior, contacts)
+
+    @property
     def moved(self) -> Sensor:
         """The sensor with a path error: if it states none, its position error."""
         return wandering(self.sensor)
@@ -52,7 +61,8 @@ class Settings:
     @property
     def known(self) -> list[Miss]:
         """What was swept freely before the first move: the border, and the misses that were given."""
-        return [*self.border, *(as_swept(miss, self.sensor) for miss in self.misses)]
+        border = self.dimension.border(self.workspace, self.moved)
+        return [*border, *(as_swept(miss, self.sensor) for miss in self.misses)]
 
     @property
     def judged(self) -> dict[str, Any]:
@@ -69,18 +79,6 @@ class Settings:
         """How a planner searches, but for how long."""
         return {"planner": self.planner, "stop": self.stop}
 
-    @property
-    def border(self) -> list[Miss]:
-        """The perimeter of the workspace, which is assumed to be unoccupied (4.1).
-
-        However far the tip may leave it, the part is within the workspace.
-        """
-        (x0, y0), (x1, y1) = self.workspace
-        corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
-        radius = self.sensor.tip_radius
-        tip = {"tip_radius": radius, "path_error": min(self.moved.path_error, radius)}
-        return [Miss(a, b, **tip) for a, b in pairwise(corners)]
-
 
 def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) -> Settings:
     """Checked; what the core checks is left to it.
@@ -91,8 +89,21 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
     listed = _all_of("models", models, Model)
     if not listed:
         raise ValueError("models: must not be empty (got []); give the parts that it may be")
-    if any(model.dimension != 2 for model in listed):
-        raise ValueError("models: only planar parts can be identified so far; give models of dimension 2")
+    dimension = listed[0].dimension
+    for model in listed:
+        if model.dimension != dimension:
+            raise ValueError(
+                f"models: must be all of the plane or all of space (got {listed[0].name!r} of dimension "
+                f"{dimension} and {model.name!r} of {model.dimension}); identify them apart"
+            )
+    prior, planner = given["prior"], given["planner"]
+    if isinstance(prior, Prior) and len(prior.world_from_model) != dimension + 1:
+        raise ValueError(
+            f"prior: must be of dimension {dimension} as the models are (got one of "
+            f"{len(prior.world_from_model) - 1}); give a pose of shape {(dimension + 1, dimension + 1)}"
+        )
+    if planner not in DIMENSIONS[dimension].planners and planner in DIMENSIONS[2].planners:
+        raise ValueError(f'planner: is of the plane only (got {planner!r}); give "auto" for solids')
     if not isinstance(sensor, Sensor):
         raise ValueError(f"sensor: must be a Sensor (got {sensor!r}); give palpate.Sensor")
     mm_per(given["unit"], "unit")
@@ -106,9 +117,9 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
     if isinstance(given["stop"], list):
         given["stop"] = tuple(given["stop"])
     given["until"] = _until(given["until"])
-    given["directions"] = _directions(given["directions"])
-    given["features"] = _features(given["features"])
-    return Settings(listed, sensor, workspace_of(workspace), **given)
+    given["directions"] = _directions(given["directions"], dimension)
+    given["features"] = _features(given["features"], DIMENSIONS[dimension].kinds)
+    return Settings(listed, sensor, workspace_of(workspace, dimension), **given)
 
 
 def _all_of(name: str, members: Any, kind: Any) -> list[Any]:
@@ -138,12 +149,13 @@ def _time_limit(value: Any) -> float | None:
     return value
 
 
-def _features(value: Any) -> list[str] | None:
+def _features(value: Any, known: tuple[str, ...]) -> list[str] | None:
     if value is None:
         return None
     kinds = [value] if isinstance(value, str) else list(value)
-    if not kinds or not set(kinds) <= {"face", "vertex"}:
-        raise ValueError(f'features: unknown kind (got {value!r}); give ("face",), ("vertex",) or both')
+    if not kinds or not set(kinds) <= set(known):
+        each = {2: '("face",), ("vertex",) or both', 3: '("face",), ("edge",), ("vertex",) or several'}
+        raise ValueError(f"features: unknown kind (got {value!r}); give {each[len(known)]}")
     return kinds
 
 
@@ -161,17 +173,17 @@ def _until(value: Any) -> tuple[float, float] | None:
     return translation, rotation
 
 
-def _directions(value: Any) -> tuple[list[float], float] | None:
+def _directions(value: Any, dimension: int) -> tuple[list[float], float] | None:
     if value is None:
         return None
     try:
         axis, half = np.array(value[0], dtype=float), float(value[1])
     except (TypeError, ValueError, IndexError):
         axis, half = np.array([]), math.nan
-    good = axis.shape == (2,) and np.isfinite(axis).all() and axis.any() and 0.0 <= half <= math.pi
+    good = axis.shape == (dimension,) and np.isfinite(axis).all() and axis.any() and 0.0 <= half <= math.pi
     if not good:
         raise ValueError(
             f"directions: must be a direction and a half angle from 0 to π (got {value!r}); "
-            "give ((dx, dy), half_angle), the angle in radians"
+            f"give {DIMENSIONS[dimension].directions}, the angle in radians"
         )
     return axis.tolist(), half

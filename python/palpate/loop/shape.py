@@ -104,7 +104,8 @@ def _of_object(value: Node, node: Node, where: tuple[str, ...]) -> _Problem | No
 
 def _of_array(value: list[Any], node: Node, where: tuple[str, ...]) -> _Problem | None:
     if not node.get("minItems", 0) <= len(value) <= node.get("maxItems", len(value)):
-        return _Problem(where, f"has {len(value)} members, not {node['minItems']}")
+        few, many = node["minItems"], node["maxItems"]
+        return _Problem(where, f"has {len(value)} members, not {few if few == many else f'{few} to {many}'}")
     first = node.get("prefixItems", [])
     for k, member in enumerate(value):
         problem = _problem(member, first[k] if k < len(first) else node["items"], (*where, f"[{k}]"))

@@ -13,7 +13,7 @@ from palpate.loop.entries import Event, reply_event, reply_in
 from palpate.loop.journal import Journal
 from palpate.loop.possible import impossible
 from palpate.loop.result import Purpose, stop_of
-from palpate.loop.route import Array, length_of, nearest_on_border, on_border, perimeter_route, rest_of
+from palpate.loop.route import Array, length_of, nearest_on_border, on_border, rest_of
 from palpate.loop.settings import Settings
 from palpate.probe import Fault, Probe, Reply, UnexpectedTouch
 from palpate.probe.simulated import point_of
@@ -57,7 +57,7 @@ class Tour:
                 f"probe: its tip is at {outside.tolist()}, in the workspace; bring it to the border first"
             )
         points += [] if np.array_equal(nearest, outside) or on_border(self._workspace, outside) else [nearest]
-        points += perimeter_route(self._workspace, nearest, start)
+        points += self._settings.dimension.route(self._workspace, nearest, start, self._settings.directions)
         if not points:
             return [], None
         self._journal.record({"event": "move", "points": [point.tolist() for point in points]})
@@ -92,7 +92,8 @@ class Tour:
         stopped = start if went_to is None else went_to
         self.travel += math.dist(start, stopped)
         self._at = stopped
-        on_far_side = isinstance(reply, Miss) and on_border(self._workspace, end)
+        may_rest = self._settings.dimension.is_open(self._workspace, end, self._settings.directions)
+        on_far_side = isinstance(reply, Miss) and may_rest
         self._back = None if on_far_side else start
         return reply
 
@@ -138,7 +139,7 @@ class Tour:
 
     def _position(self) -> Array | None:
         position = self._ask(lambda probe: probe.position)
-        return None if position is None else point_of("probe.position", position)
+        return None if position is None else point_of("probe.position", position, self._workspace.shape[1])
 
     def _taken_up(self, way: list[Array]) -> list[Array]:
         """What is left of a way: a run that was killed may have stopped on it."""

@@ -23,6 +23,7 @@ def wandering(sensor: Sensor) -> Sensor:
         sensor.max_incidence,
         sensor.tip_radius,
         path_error_of(sensor),
+        stem=sensor.stem,
     )
 
 

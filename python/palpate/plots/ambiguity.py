@@ -8,7 +8,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from palpate._core import AmbiguityBranch, AmbiguityNode, AmbiguityTree
+from palpate._core import AmbiguityBranch, AmbiguityNode, AmbiguityTree, Path
 from palpate.plots.style import COLORS, CONFLICT, FAINT, RC, new_figure
 
 ROW = 0.3  # inches for a leaf
@@ -69,9 +69,7 @@ def _draw_node(axes: Axes, tree: AmbiguityTree, node: AmbiguityNode, *, row: flo
     color = COLORS[2] if node.status == "solved" else COLORS[0] if node.path is not None else CONFLICT
     text = _members(tree, node)
     if node.path is not None:
-        x, y = node.path.direction
-        angle = math.degrees(math.atan2(y, x))
-        text += f"\npath at {angle:.1f}°, margin {node.path.margin:.3g} {unit}"
+        text += f"\npath {_way(node.path)} margin {node.path.margin:.3g} {unit}"
     elif node.status != "solved":
         text += f"\n{STATUS[node.status]}"
     axes.text(
@@ -85,6 +83,14 @@ def _draw_node(axes: Axes, tree: AmbiguityTree, node: AmbiguityNode, *, row: flo
         bbox={"boxstyle": "round,pad=0.3", "fc": "white", "ec": color, "lw": 1.2},
         zorder=3,
     )
+
+
+def _way(path: Path) -> str:
+    """In the plane its angle, in space its direction."""
+    if len(path.direction) == 2:
+        x, y = path.direction
+        return f"at {math.degrees(math.atan2(y, x)):.1f}°,"
+    return f"along ({', '.join(f'{component:.2f}' for component in path.direction)}),\n"
 
 
 def _members(tree: AmbiguityTree, node: AmbiguityNode) -> str:

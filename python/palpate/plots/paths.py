@@ -11,10 +11,21 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from palpate._core import Contact, Hypothesis, Miss, Outcome, Path
+from palpate._core import Contact, Hypothesis, Miss, Model, Outcome, Path
+from palpate.plots import solids
 from palpate.plots.pictures import MOST_DRAWN, number_places, spike_for
-from palpate.plots.shapes import HALO, Array, draw_contact, draw_miss, draw_model, evidence_points, placed
-from palpate.plots.style import RC, SENSED, frame_of, new_figure, part_style, set_frame, shape_of
+from palpate.plots.shapes import (
+    HALO,
+    Array,
+    add_axes,
+    draw_contact,
+    draw_miss,
+    draw_model,
+    evidence_points,
+    fit,
+    placed,
+)
+from palpate.plots.style import RC, SENSED, frame_of, new_figure, part_style, shape_of
 
 LANES = 0.22  # of the frame, at most, for all predictions beside the path
 LANE = 0.022  # for one of them
@@ -55,7 +66,7 @@ def plot_path(
     outcomes = {} if path is None else {outcome.hypothesis: outcome for outcome in path.outcomes}
     with mpl.rc_context(RC):
         figure = new_figure(shape_of(low, high))
-        axes = figure.add_subplot()
+        axes = add_axes(figure, len(low))
         fill = 0.14 / max(1.0, len(drawn) / 4)
         places = number_places(corners, [np.asarray(contact.center) for contact in contacts])
         for number, hypothesis in enumerate(drawn):
@@ -78,7 +89,7 @@ def plot_path(
             for hypothesis in drawn
         ]
         _add_legend(figure, names, outcomes)
-        set_frame(axes, low, high, unit=unit)
+        fit(axes, low, high, unit=unit)
     return figure
 
 
@@ -89,13 +100,27 @@ def _label(axes: Axes, place: Array, number: int, *, color: str) -> None:
 def _draw_touched(axes: Axes, hypothesis: Hypothesis, outcome: Outcome, *, color: str) -> None:
     """The features that may be touched, bold."""
     for kind, index in (touch.feature for touch in outcome.touches):
-        at = hypothesis.model.faces[index] if kind == "face" else hypothesis.model.vertices[index : index + 1]
-        points = placed(hypothesis.world_from_model, at)
-        marker = "" if kind == "face" else "o"
+        points = placed(hypothesis.world_from_model, _feature_points(hypothesis.model, kind, index))
+        marker = "o" if kind == "vertex" else ""
         axes.plot(*points.T, color=color, lw=3.0, marker=marker, ms=6, alpha=0.85, zorder=4)
 
 
+def _feature_points(model: Model, kind: str, index: int) -> Array:
+    """Its corners, model frame: of a face in space all around it."""
+    if kind == "vertex":
+        return model.vertices[index : index + 1]
+    if kind == "edge":
+        return np.asarray(model.edges[index])
+    return np.asarray(model.faces[index]) if model.dimension == 2 else solids.outline_in_space(model, index)
+
+
 def _draw_path(axes: Axes, path: Path, *, tip_radius: float) -> None:
+    if len(path.start) == 3:
+        solids.draw_way(axes, path.start, path.end, color=SENSED)
+        axes.plot(*path.start[:, None], marker="o", ms=4, color=SENSED, zorder=9)
+        if tip_radius > 0.0:
+            solids.draw_ball(axes, path.start, tip_radius, color=SENSED)
+        return
     axes.annotate(
         "",
         xy=tuple(path.end),
@@ -112,14 +137,14 @@ def _draw_lanes(axes: Axes, path: Path, *, num_drawn: int, extent: float) -> Non
     """Beside the path, one lane for each hypothesis: where along it the tip may touch."""
     touched = [o for o in path.outcomes if o.touches and o.hypothesis < num_drawn]
     lane = min(LANE, LANES / max(1, len(touched))) * extent
-    left = np.array([-path.direction[1], path.direction[0]])
+    left = _aside(path.direction)
     for place, outcome in enumerate(touched, start=1):
         color, _ = part_style(outcome.hypothesis)
         aside = path.start + place * lane * left
         for near, far in (touch.depth for touch in outcome.touches):
             ends = np.array([aside + near * path.direction, aside + far * path.direction])
             axes.plot(*ends.T, color=color, lw=4.0, alpha=0.8, solid_capstyle="butt", zorder=8)
-            axes.plot(*ends.mean(axis=0), color=color, marker="o", ms=4.5, zorder=8)
+            axes.plot(*ends.mean(axis=0)[:, None], color=color, marker="o", ms=4.5, zorder=8)
         last = max(touch.depth[1] for touch in outcome.touches)
         at = aside + (last + 0.02 * extent) * path.direction
         axes.text(
@@ -134,6 +159,15 @@ def _draw_lanes(axes: Axes, path: Path, *, num_drawn: int, extent: float) -> Non
             zorder=9,
             clip_on=True,
         )
+
+
+def _aside(direction: Array) -> Array:
+    """To the left, as the path is seen."""
+    if len(direction) == 2:
+        return np.array([-direction[1], direction[0]])
+    across = np.cross(solids.to_viewer(), direction)
+    length = float(np.linalg.norm(across))
+    return across / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])
 
 
 def _title(path: Path | None, count: int) -> str:

@@ -15,9 +15,10 @@ from matplotlib.patches import Rectangle
 from palpate._core import Hypothesis
 from palpate.loop import Result, Step
 from palpate.loop.result import PURPOSES, hypotheses_words
+from palpate.plots import solids
 from palpate.plots.pictures import MOST_DRAWN
-from palpate.plots.shapes import Array, draw_contact, draw_model, placed
-from palpate.plots.style import FAINT, RC, SENSED, new_figure, part_style, set_frame, shape_of
+from palpate.plots.shapes import Array, add_axes, draw_contact, draw_model, fit, placed
+from palpate.plots.style import FAINT, RC, SENSED, new_figure, part_style, shape_of
 from palpate.probe import Hit, Skid
 
 PAPER = "#FAFAF7"
@@ -49,7 +50,7 @@ def plot_run(
     low, high = _frame(result, [step])
     with mpl.rc_context(RC):
         figure = new_figure(shape_of(low, high))
-        axes = figure.add_subplot()
+        axes = add_axes(figure, len(low))
         drawn = _draw(axes, result, step)
         axes.set_title(_title(result, step, _many(_left(result, step))))
         _add_legend(figure, drawn, names=part_names)
@@ -72,7 +73,7 @@ def plot_turning_point(
         figure = new_figure((0.82 * width * len(shown), 0.82 * height))
         drawn: list[Hypothesis] = []
         for place, step in enumerate(shown, start=1):
-            axes = figure.add_subplot(1, len(shown), place)
+            axes = add_axes(figure, len(low), 1, len(shown), place)
             drawn += _draw(axes, result, step)
             axes.set_title(_title(result, step, _many(_left(result, step))))
             _set_frame(axes, low, high, unit=unit)
@@ -82,7 +83,7 @@ def plot_turning_point(
 
 def _frame(result: Result, steps: Sequence[int | None]) -> tuple[Array, Array]:
     """Around the workspace and all that is drawn of the steps."""
-    points = [_border(result)]
+    points = [result.workspace]
     for step in steps:
         points += [placed(one.world_from_model, one.model.vertices) for one in _drawn(result, step)]
         points += [np.array([one.start, one.end]) for one in _shown(result, step)]
@@ -93,7 +94,7 @@ def _frame(result: Result, steps: Sequence[int | None]) -> tuple[Array, Array]:
 
 def _draw(axes: Axes, result: Result, step: int | None) -> list[Hypothesis]:
     """A step, or the whole run; returns the hypotheses that were drawn."""
-    border = _border(result)
+    border = result.workspace
     _draw_border(axes, border)
     drawn = _drawn(result, step)
     _draw_hypotheses(axes, drawn)
@@ -107,7 +108,7 @@ def _draw(axes: Axes, result: Result, step: int | None) -> list[Hypothesis]:
         color = SENSED if step is None or number == new else EARLIER
         draw_contact(axes, contact, number=number, spike=spike, color=color, swept=False)
         if step is not None and number == new:
-            axes.plot(*contact.center, marker="o", ms=11, mfc="none", mec=SENSED, mew=1.2, zorder=10)
+            axes.plot(*contact.center[:, None], marker="o", ms=11, mfc="none", mec=SENSED, mew=1.2, zorder=10)
     return drawn
 
 
@@ -134,13 +135,10 @@ def _num_hits(steps: Sequence[Step]) -> int:
     return sum(isinstance(one.reply, Hit) for one in steps)
 
 
-def _border(result: Result) -> Array:
-    """Corners of the workspace: its border is what was known to be free first."""
-    ends = np.array([miss.start for miss in result.misses[:4]])
-    return np.array([ends.min(axis=0), ends.max(axis=0)])
-
-
 def _draw_border(axes: Axes, border: Array) -> None:
+    if border.shape[1] == 3:
+        solids.draw_box(axes, border, color=BORDER)
+        return
     width, height = border[1] - border[0]
     axes.add_patch(
         Rectangle(tuple(border[0]), width, height, facecolor=PAPER, edgecolor=BORDER, lw=0.9, zorder=0)
@@ -159,15 +157,20 @@ def _draw_step(axes: Axes, step: Step, *, faint: bool) -> None:
     color = FAINT if faint or step.path is None else SENSED
     alpha = 0.5 if faint else 1.0
     stopped = step.stopped
+    if len(step.start) == 3 and not isinstance(step.reply, Hit):
+        # Many go through all the box: those that met nothing must not hide the part, nor free moves either.
+        if stopped is not None:
+            axes.plot(*np.array([step.start, stopped]).T, color=color, alpha=0.3 * alpha, lw=0.8, zorder=1)
+        return
     ahead = np.array([step.start if stopped is None else stopped, step.end])
     axes.plot(*ahead.T, color=color, alpha=alpha, lw=1.0, ls=(0, (5, 3)), zorder=6)
     if stopped is not None:
         axes.plot(*np.array([step.start, stopped]).T, color=color, alpha=alpha, lw=1.6, zorder=7)
-    if len(step.route) > 1:
+    if len(step.route) > 1 and len(step.start) == 2:
         axes.plot(*np.array(step.route).T, color=FAINT, alpha=0.5 * alpha, lw=0.9, ls=(0, (1, 2)), zorder=1)
-    axes.plot(*step.start, marker="o", ms=3.5, color=color, alpha=alpha, zorder=8)
+    axes.plot(*step.start[:, None], marker="o", ms=3.5, color=color, alpha=alpha, zorder=8)
     if isinstance(step.reply, Skid):
-        axes.plot(*step.reply.free.end, marker="x", ms=6, color=color, alpha=alpha, zorder=8)
+        axes.plot(*step.reply.free.end[:, None], marker="x", ms=6, color=color, alpha=alpha, zorder=8)
 
 
 def _many(hypotheses: Sequence[Hypothesis]) -> str:
@@ -186,7 +189,9 @@ def _title(result: Result, step: int | None, many: str) -> str:
 
 def _set_frame(axes: Axes, low: Array, high: Array, *, unit: str) -> None:
     """The border of the workspace is frame enough."""
-    set_frame(axes, low, high, unit=unit)
+    fit(axes, low, high, unit=unit)
+    if len(low) == 3:
+        return
     axes.spines[:].set_visible(False)
     axes.tick_params(length=0)
 

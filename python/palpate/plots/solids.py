@@ -132,7 +132,7 @@ def draw_touch(axes: Any, contact: Contact, *, spike: float, color: str, swept: 
     """
     center = np.asarray(contact.center)
     if contact.tip_radius > 0.0:
-        _draw_ball(axes, center, contact.tip_radius, color=color)
+        draw_ball(axes, center, contact.tip_radius, color=color)
     away = None
     if contact.normal is not None and contact.normal_error is not None:
         away = np.asarray(contact.normal)
@@ -159,7 +159,27 @@ def draw_free(axes: Any, miss: Miss) -> None:
     axes.plot(*swept.T, color=FAINT, lw=1.3, ls=(0, (4, 3)), zorder=7)
     axes.plot(*swept[1:].T, marker="x", ms=5, color=FAINT, zorder=7)
     if miss.tip_radius > 0.0:
-        _draw_ball(axes, swept[1], miss.tip_radius, color=FAINT)
+        draw_ball(axes, swept[1], miss.tip_radius, color=FAINT)
+
+
+def draw_way(axes: Any, start: Array, end: Array, *, color: str, alpha: float = 1.0) -> None:
+    """A way of the tip, dashed, with an arrow at its end, shape `(3,)` each."""
+    axes.plot(*np.array([start, end]).T, color=color, alpha=alpha, lw=1.2, ls=(0, (5, 3)), zorder=9)
+    head = 0.06 * (end - start)
+    axes.quiver(*(end - head), *head, color=color, alpha=alpha, lw=1.3, arrow_length_ratio=1.0, zorder=9)
+
+
+def draw_box(axes: Any, corners: Array, *, color: str) -> None:
+    """The edges of a box between two opposite corners, shape `(2, 3)`."""
+    places = np.array(list(np.ndindex(2, 2, 2)))
+    edges = [(a, b) for a in places for b in places if (b - a).sum() == 1 and (b >= a).all()]
+    ends = np.take_along_axis(corners[None], np.array(edges), axis=1)
+    axes.add_collection3d(Line3DCollection(ends, colors=color, linewidths=0.8, zorder=0), autolim=False)
+
+
+def outline_in_space(model: Model, face: int) -> Array:
+    """A face as one closed loop, model frame, shape `(n, 3)`."""
+    return _outline(model.face_loops[face])
 
 
 def _outline(loops: Sequence[Array]) -> Array:
@@ -172,7 +192,7 @@ def _draw_arrow(axes: Any, start: Array, along: Array, *, color: str = SENSED) -
     axes.quiver(*start, *along, color=color, lw=1.3, arrow_length_ratio=0.25, zorder=9)
 
 
-def _draw_ball(axes: Any, center: Array, radius: float, *, color: str) -> None:
+def draw_ball(axes: Any, center: Array, radius: float, *, color: str) -> None:
     """A ball as its three great circles."""
     for axis in np.eye(3):
         axes.plot(*(center + radius * _circle(axis)).T, color=color, lw=0.6, zorder=9)

@@ -244,14 +244,23 @@ def random_pose(model: Model, workspace: Array, *, room: float, random: np.rando
 
 
 def sensor_entry(sensor: Sensor) -> dict[str, Any]:
-    """As JSON; the keys are the arguments of `Sensor`."""
+    """As JSON; the keys are the arguments of `Sensor`. A sensor without a stem has no key for it."""
     return {
         "position_error": sensor.position_error,
         "normal_error": sensor.normal_error,
         "max_incidence": sensor.max_incidence,
         "tip_radius": sensor.tip_radius,
         "path_error": sensor.path_error,
+        **stem_entry(sensor),
     }
+
+
+def stem_entry(sensor: Sensor) -> dict[str, Any]:
+    """The stem alone, if there is one."""
+    if sensor.stem is None:
+        return {}
+    direction, radius, length = sensor.stem
+    return {"stem": [direction.tolist(), radius, length]}
 
 
 def point_of(argument: str, value: ArrayLike, dimension: int = 2) -> Array:

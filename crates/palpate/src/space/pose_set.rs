@@ -353,8 +353,17 @@ impl PoseSet {
     pub(super) fn placed(&self) -> Vec<(Cell, Option<Linearized>)> {
         let conditions: Vec<Conditions<'_>> =
             self.pieces.iter().map(|piece| piece.conditions(&self.case).relaxed()).collect();
+        // Cells of a search that was cut short don't say which sites are left in them: all may be.
+        let every = |piece: usize| {
+            let sites = conditions[piece].sites.iter();
+            sites.map(|(_, sites)| (0..sites.len() as u32).collect()).collect::<Vec<Vec<u32>>>()
+        };
         let of_piece = |(piece, cells): (usize, &Vec<Cell>)| {
-            cells.iter().map(move |cell| (piece, cell.clone())).collect::<Vec<_>>()
+            let placed = |cell: &Cell| {
+                let left = if cell.left.is_empty() { every(piece) } else { cell.left.clone() };
+                (piece, Cell { left, ..cell.clone() })
+            };
+            cells.iter().map(placed).collect::<Vec<_>>()
         };
         let mut cells: Vec<(usize, Cell)> = self.cells().iter().enumerate().flat_map(of_piece).collect();
         let loose = |cell: &Cell| cell.looseness() * 0.5 * self.case.model.size;

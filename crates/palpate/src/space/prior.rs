@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::Pose;
 use crate::Error;
 use crate::contact::{nonnegative, within};
+use crate::plan::unit;
 
 /// The part lies on a plane, such as a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +53,7 @@ impl Prior {
     /// # Errors
     /// As [`Prior::new`], or if `normal` is zero or not finite.
     pub fn on_plane(self, normal: DVec3, height: f64, tilt: f64) -> Result<Self, Error> {
-        let normal = normal.try_normalize().ok_or_else(|| {
+        let normal = unit(normal).ok_or_else(|| {
             Error::new("normal", "must not be zero", normal, "give the plane's normal, of any length")
         })?;
         let height = nonnegative("height", height)?;
