@@ -92,7 +92,7 @@ pub struct Scene<V: Dimension = DVec2> {
     pub shadows: Vec<V::Shadow>,
     /// Valid poses of each hypothesis, spread over its set.
     pub views: Vec<Vec<V::Pose>>,
-    samples: Vec<Vec<V::Pose>>,
+    pub(crate) samples: Vec<Vec<V::Pose>>,
     pub(crate) poses: Vec<V::PoseSet>,
     /// Faces of each hypothesis that a contact is assigned to, in order, if they are not to be touched.
     avoided: Vec<Vec<Feature>>,

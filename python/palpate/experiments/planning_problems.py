@@ -1,7 +1,7 @@
 """Random planning problems of space: what a few contacts leave of parts that are hard to tell apart.
 
-Everything follows from the problem's number and the parts that others made, if there are any. Parts are 200 across;
-their readings are off by as much as the next one may be.
+Everything follows from the problem's number and the parts that others made, if there are any. Parts are 200
+across; their readings are off by as much as the next one may be.
 """
 
 from __future__ import annotations

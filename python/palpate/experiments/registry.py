@@ -7,6 +7,7 @@ from palpate.experiments import (
     drill,
     object_pairs,
     random_data,
+    space_planners,
     standard_points,
     thesis_figures,
 )
@@ -19,6 +20,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "table-4.4": drill.EXPERIMENT,
     "figures": thesis_figures.EXPERIMENT,
     **campaign_loop.EXPERIMENTS,
+    "planners": space_planners.EXPERIMENT,
 }
 
 ALL = "all"

@@ -61,7 +61,8 @@ class Answer:
         """Whether the oracle calls poses of a model valid: surely, or at least perhaps; `(p,)`."""
         problem, solid, model = self.problem, self.problem.solids[number], self.models[number]
         # A mesh whose faces were made planar is that much off, and the core allows for it; the normals of its
-        # triangles are not known better. So is a part that is nearly symmetric, where a pose stands for its images.
+        # triangles are not known better. So is a part that is nearly symmetric, where a pose stands for its
+        # images.
         off = model.position_slack
         missed, turned = (0.0, 0.0) if problem.prior else model.asymmetry
         if sure:

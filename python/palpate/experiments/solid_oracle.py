@@ -136,7 +136,7 @@ def gaps(  # noqa: PLR0917 - as above
     return best
 
 
-Bounds = Sequence[tuple[Array, float]]
+Bounds = Sequence[tuple[Array, float | Array]]
 
 
 def _doubts(heights: Array, moved: float) -> Array:

@@ -1,11 +1,11 @@
-"""All planners of space on the same random problems: what their paths tell, what that takes, and whether it holds.
+"""All planners of space on the same random problems: what they find, at which cost, what holds.
 
     python -m palpate.experiments.space_planners --problems 210 --parts target/parts --cluster local
     python -m palpate.experiments.space_planners --page docs/planners-space.md
 
-Beside them: many random lines, judged as the planners' are, and the line of the largest expected information gain among
-some random ones, as methods choose that know one pose of each hypothesis. Killed and started again, it goes on where it
-was. The times, and what `auto` finds within another planner's time, depend on the machine.
+Beside them: many random lines, judged as the planners' are, and the line of the largest expected information
+gain among some random ones, as methods choose that know one pose of each hypothesis. Killed and started
+again, it goes on where it was. The times, and what `auto` finds within another's, depend on the machine.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import sys
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -27,7 +27,8 @@ from .planning_problems import FAMILIES, Problem, planning_problem
 from .solids import Array
 
 NAME = "planners"
-PLANNERS = ("auto", "grimson", "schneiter", "optimized", "linearized", "decoupled")
+Planner = Literal["auto", "grimson", "schneiter", "optimized", "linearized", "decoupled"]
+PLANNERS: tuple[Planner, ...] = ("auto", "grimson", "schneiter", "optimized", "linearized", "decoupled")
 RIVALS = PLANNERS[1:]
 #: Seconds that each planner has for a problem.
 MOST_SECONDS = 10.0
@@ -58,7 +59,7 @@ def task(number: int, *, parts: str | None, digest: int, lines: int) -> Row:
         found[name] = {**_entry(report.path), "why": report.why, **_kept(problem, report.path)}
     prepared = palpate.Lines(hypotheses, sensor)
     random = np.random.default_rng([number, 7])
-    drawn = random_lines(random, prepared.middle, prepared.radius, lines)
+    drawn = random_lines(random, middle=prepared.middle, radius=prepared.radius, count=lines)
     return {
         "family": problem.family,
         "hypotheses": len(hypotheses),
@@ -66,7 +67,7 @@ def task(number: int, *, parts: str | None, digest: int, lines: int) -> Row:
         "tip_radius": sensor.tip_radius,
         "planners": found,
         "random": random_best(prepared, *drawn),
-        "informed": informed(problem, prepared, *(each[:NUM_INFORMED] for each in drawn)),
+        "informed": informed(problem, prepared, tuple(each[:NUM_INFORMED] for each in drawn)),
         "seconds": {**seconds, "within": _within(problem, found, seconds)},
     }
 
@@ -104,9 +105,7 @@ def _kept(problem: Problem, path: Any) -> Row:
     readings = held = 0
     for k, hypothesis in enumerate(problem.hypotheses):
         for seed, pose in enumerate(hypothesis.poses.sample(NUM_TRIED, seed=problem.number)):
-            probe = palpate.SimulatedProbe(
-                hypothesis.model, pose, problem.sensor, seed=seed, noise="bounds"
-            )
+            probe = palpate.SimulatedProbe(hypothesis.model, pose, problem.sensor, seed=seed, noise="bounds")
             reply = probe.touch(path.start, path.end)
             readings += 1
             if isinstance(reply, palpate.Skid):
@@ -116,7 +115,9 @@ def _kept(problem: Problem, path: Any) -> Row:
     return {"readings": readings, "held": held}
 
 
-def random_lines(random: np.random.Generator, middle: Array, radius: float, count: int) -> tuple[Array, Array]:
+def random_lines(
+    random: np.random.Generator, *, middle: Array, radius: float, count: int
+) -> tuple[Array, Array]:
     """Directions and points `(count, 3)` of lines through a ball, all equally likely."""
     directions = random.normal(size=(count, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
@@ -143,8 +144,9 @@ def random_best(prepared: Any, directions: Array, points: Array) -> Row:
     return {"score": best if math.isfinite(best) else None, "judged": judged, "may_be_used": len(order)}
 
 
-def informed(problem: Problem, prepared: Any, directions: Array, points: Array) -> Row:
-    """The line whose exact readings, at one pose of each hypothesis, fall into classes of the most entropy."""
+def informed(problem: Problem, prepared: Any, lines: tuple[Array, ...]) -> Row:
+    """The line whose exact readings, at one pose of each hypothesis, fall into classes of most entropy."""
+    directions, points = lines
     poses = [one.world_from_model for one in problem.hypotheses]
     best, chosen = -1.0, 0
     for k in range(len(directions)):
@@ -185,52 +187,51 @@ def markdown(rows: list[Row]) -> str:
     return "\n\n".join([_found(rows), _beside(rows), _by_family(rows), f"Measured on: {pages.machine()}."])
 
 
-def _is(row: Row, name: str, good: Any) -> bool:
-    score = row["planners"][name]["score"]
-    return score is not None and good(score)
-
-
 def _found(rows: list[Row]) -> str:
     """What each planner finds, and what that takes."""
     lines = []
     for name in PLANNERS:
-        shares = [row["planners"][name]["score"] for row in rows]
-        of_one = [1.0 if score is None else score / row["hypotheses"] for score, row in zip(shares, rows, strict=True)]
-        expected = [
-            one["expected"] / row["hypotheses"] if (one := row["planners"][name])["score"] is not None else 1.0
-            for row in rows
-        ]
+        found = [row["planners"][name] for row in rows if row["planners"][name]["score"] is not None]
+        left, expected = (_mean_share(rows, name, key) for key in ("score", "expected"))
+        perfect = sum(one["score"] <= 1.0 + ROUNDING for one in found)
         times = [row["seconds"][name] for row in rows]
         readings, held = (sum(row["planners"][name][key] for row in rows) for key in ("readings", "held"))
         lines.append(
             [
                 f"`{name}`",
-                pages.share(sum(score is not None for score in shares) / len(rows)),
-                pages.share(sum(_is(row, name, lambda score: score <= 1.0 + ROUNDING) for row in rows) / len(rows)),
-                pages.share(float(np.mean(of_one))),
-                pages.share(float(np.mean(expected))),
+                pages.share(len(found) / len(rows)),
+                pages.share(perfect / len(rows)),
+                pages.share(left),
+                pages.share(expected),
                 pages.duration(float(np.median(times))),
                 pages.duration(float(np.quantile(times, 0.9))),
                 f"{held:,} of {readings:,}",
             ]
         )
-    head = ["", "a path", "perfect", "left, at most", "left, expected", "time, median", "90 %", "promises held"]
-    return pages.table(head, lines)
+    head = ["", "a path", "perfect", "left, at most", "left, expected", "time, median", "90 %"]
+    return pages.table([*head, "promises held"], lines)
+
+
+def _mean_share(rows: list[Row], name: str, key: str) -> float:
+    """What share of the hypotheses a planner's paths leave, on average; without a path all."""
+    shares = []
+    for row in rows:
+        found = row["planners"][name]
+        shares.append(1.0 if found["score"] is None else found[key] / row["hypotheses"])
+    return float(np.mean(shares))
 
 
 def _beside(rows: list[Row]) -> str:
     """`auto` beside each other way."""
     lines = []
     for name in (*RIVALS, "random", "informed"):
-        worse = behind = 0
+        better = worse = behind = 0
         for row in rows:
-            other = row["planners"][name] if name in RIVALS else row[name]
-            mine = row["planners"]["auto"]["score"]
-            worse += _beats(other["score"], mine)
-            behind += _beats(other["score"], row["seconds"]["within"].get(name, mine))
-        better = sum(
-            _beats(row["planners"]["auto"]["score"], (row["planners"] | row)[name]["score"]) for row in rows
-        )
+            mine, other = (_score(row, one) for one in ("auto", name))
+            in_time = row["seconds"]["within"].get(name, row["planners"]["auto"]["score"])
+            better += mine < other - ROUNDING
+            worse += other < mine - ROUNDING
+            behind += other < (row["hypotheses"] if in_time is None else in_time) - ROUNDING
         said = {"random": "all random lines", "informed": "most information gain"}.get(name, f"`{name}`")
         same = f"{behind}" if name in RIVALS else ""
         lines.append([said, str(better), str(len(rows) - better - worse), str(worse), same])
@@ -238,9 +239,10 @@ def _beside(rows: list[Row]) -> str:
     return pages.table(head, lines)
 
 
-def _beats(one: float | None, other: float | None) -> bool:
-    """Whether a score is better than another; none is worse than any."""
-    return one is not None and (other is None or one < other - ROUNDING)
+def _score(row: Row, name: str) -> float:
+    """What the path of a planner or rival leaves; without a path all."""
+    score = (row["planners"] | row)[name]["score"]
+    return float(row["hypotheses"] if score is None else score)
 
 
 def _by_family(rows: list[Row]) -> str:
@@ -248,9 +250,8 @@ def _by_family(rows: list[Row]) -> str:
     lines = []
     for family in dict.fromkeys(row["family"] for row in rows):
         some = [row for row in rows if row["family"] == family]
-        perfect = [
-            sum(_is(row, name, lambda score: score <= 1.0 + ROUNDING) for row in some) for name in PLANNERS
-        ]
+        scores = ([row["planners"][name]["score"] for row in some] for name in PLANNERS)
+        perfect = [sum(one is not None and one <= 1.0 + ROUNDING for one in each) for each in scores]
         hypotheses = f"{np.mean([row['hypotheses'] for row in some]):.1f}"
         lines.append([family, str(len(some)), hypotheses, *(str(count) for count in perfect)])
     head = ["perfect paths", "problems", "hypotheses, mean", *(f"`{name}`" for name in PLANNERS)]
@@ -268,10 +269,8 @@ EXPERIMENT = Experiment(
 )
 
 
-def run(settings: Row, problems: int, seed: int, out: Path, *, cluster: str | None, page: Path | None) -> bool:
+def run(settings: Row, numbers: range, out: Path, *, cluster: str | None, page: Path | None) -> bool:
     """All problems; the tables; whether every promise held."""
-    first = seed * checked.SEEDS_PER_CAMPAIGN
-    numbers = range(first, first + problems)
     rows = campaign.run(NAME, settings, numbers, task, out / "rows.jsonl", cluster=cluster)
     made = f"{len(rows)} problems, {settings['lines']:,} random lines each.\n\n{markdown(rows)}"
     if page:
@@ -283,9 +282,12 @@ def run(settings: Row, problems: int, seed: int, out: Path, *, cluster: str | No
 def main(arguments: list[str] | None = None) -> int:
     """The command line; 0 if every promise held."""
     parser = checked.parser_of(NAME, (__doc__ or "").splitlines()[0], problems=210)
-    parser.add_argument("--parts", type=Path, help="folder of public_parts; else only parts that are made here")
-    parser.add_argument("--lines", type=int, default=NUM_RANDOM, help=f"random lines of a problem ({NUM_RANDOM})")
-    parser.add_argument("--out", type=Path, default=Path("out") / NAME, help=f"folder of the results (out/{NAME})")
+    parser.add_argument(
+        "--parts", type=Path, help="folder of public_parts; else only parts that are made here"
+    )
+    parser.add_argument("--lines", type=int, default=NUM_RANDOM, help=f"random lines each ({NUM_RANDOM})")
+    out = Path("out") / NAME
+    parser.add_argument("--out", type=Path, default=out, help=f"folder of the results ({out})")
     parser.add_argument("--page", type=Path, help="write the tables of this page anew")
     options = checked.parsed(parser, arguments)
     folder = str(options.parts.resolve()) if options.parts else None
@@ -295,9 +297,9 @@ def main(arguments: list[str] | None = None) -> int:
     if options.replay is not None:
         sys.stdout.write(f"{task(options.replay, **settings)}\n")
         return 0
-    work = partial(
-        run, settings, options.problems, options.seed, options.out, cluster=options.cluster, page=options.page
-    )
+    first = options.seed * checked.SEEDS_PER_CAMPAIGN
+    numbers = range(first, first + options.problems)
+    work = partial(run, settings, numbers, options.out, cluster=options.cluster, page=options.page)
     return checked.ended(parser, work)
 
 

@@ -107,6 +107,14 @@ impl Scene<DVec3> {
         Some(left)
     }
 
+    /// Whether no sampled pose of the members makes a line unusable.
+    pub(super) fn may_be_used(&self, line: &Line<DVec3>, members: &[usize]) -> bool {
+        let at = |member: usize, pose: Pose| {
+            self.contact(member, pose, line).is_none_or(|found| self.is_reliable(member, line, found))
+        };
+        members.iter().all(|&member| self.samples[member].iter().all(|pose| at(member, *pose)))
+    }
+
     /// Whether a first contact gives a reading, and breaks no rule.
     pub(super) fn is_reliable(&self, member: usize, line: &Line<DVec3>, found: FirstContact<DVec3>) -> bool {
         found.touchable

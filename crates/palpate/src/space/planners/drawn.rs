@@ -105,9 +105,21 @@ impl Search<'_, '_> {
         all
     }
 
-    /// Judges a line in the midst of each kind, moved to where it has most room and as it is.
+    /// Judges a line in the midst of each kind, moved to where it has most room and as it is. Where no line is known that can be
+    /// used the kinds with most lines come first.
     fn give_room(&mut self, kinds: &[Vec<Seen>]) -> bool {
         let (scene, members, thorough) = (self.best.scene, self.best.members, self.best.thorough);
+        let around = |kind: &&Vec<Seen>| {
+            let middle = midst(scene, kind);
+            [polished(scene, members, &middle), Some(middle)]
+        };
+        if self.best.path.is_none() && !thorough {
+            let mut largest: Vec<&Vec<Seen>> = kinds.iter().collect();
+            largest.sort_by_key(|kind| std::cmp::Reverse(kind.len()));
+            largest.truncate(JUDGED_AT_ONCE / 2);
+            let lines: Vec<Line<DVec3>> = largest.par_iter().flat_map_iter(around).flatten().collect();
+            self.offer(&lines);
+        }
         let most = if thorough { MOST_THOROUGH } else { MOST_KINDS.min(self.left / 4) };
         let mut num_equal = 0;
         for some in kinds[..kinds.len().min(most)].chunks(JUDGED_AT_ONCE / 2) {
@@ -119,10 +131,7 @@ impl Search<'_, '_> {
                 break;
             }
             num_equal += usize::from(left == self.best.num_left());
-            let around = |kind: &Vec<Seen>| {
-                let middle = midst(scene, kind);
-                [polished(scene, members, &middle), Some(middle)]
-            };
+            let some: Vec<&Vec<Seen>> = some.iter().collect();
             let lines: Vec<Line<DVec3>> = some.par_iter().flat_map_iter(around).flatten().collect();
             self.offer(&lines);
         }
@@ -183,7 +192,8 @@ impl Search<'_, '_> {
             if thorough {
                 return Some(Some(0));
             }
-            let promising = scene.glance(line, members, usize::MAX)? <= most;
+            let promising =
+                scene.glance(line, members, usize::MAX)? <= most && scene.may_be_used(line, members);
             promising.then(|| scene.left_below(line, members, most + 1, |_, _| false))
         };
         // Of what has been judged, and what that leaves if it may be the best.
