@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -112,6 +112,9 @@ planning-figures: .venv/.built promises promises-space ## measure planning; writ
 
 campaign-loop: .venv/.built .venv/.cluster ## 10,000 closed loops: is a truth lost? writes docs/closed-loop.md; ARGS="--cluster local:2"; resumes
 	$(BIN)/python -m palpate.experiments.campaign_loop --page docs/closed-loop.md $(ARGS)
+
+experiment-planners: parts .venv/.cluster ## all planners of space on 210 problems, beside random lines; writes docs/planners-space.md; resumes
+	$(BIN)/python -m palpate.experiments.space_planners --parts $(PARTS) --page docs/planners-space.md $(ARGS)
 
 campaign-loop-space: .venv/.built .venv/.cluster ## 1,000 closed loops over solids, on real parts too if `make parts` was run; resumes
 	$(BIN)/python -m palpate.experiments.campaign_loop_space --parts $(PARTS) $(ARGS)
