@@ -1,5 +1,5 @@
-//! The planner of first choice in space: very many lines are looked at from one pose of each hypothesis, the most promising from
-//! more of them; those that are left are given room, and the judge decides.
+//! Very many lines are looked at from one pose of each hypothesis, the most promising from more of them; those that are left
+//! are given room, and the judge decides.
 //!
 //! **Why.** What a line meets at one pose takes a microsecond, and what it leaves there no judgement undercuts. Lines that meet
 //! the same features at these poses are of one kind: a kind is a face of the arrangement of MATH 2.5, that many lines are in if
@@ -54,21 +54,30 @@ struct Seen {
     kind: u64,
 }
 
-/// Offers the most promising lines to `best`.
-pub(super) fn draw(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
+/// How many rounds there are.
+pub(super) const NUM_ROUNDS: usize = ROUNDS.len();
+
+/// Offers the most promising lines of some rounds to `best`. Whether the search is over.
+pub(super) fn draw(
+    best: &mut Best<'_, DVec3>,
+    settings: &PlanSettings<DVec3>,
+    late: &dyn Fn() -> bool,
+    rounds: Range<usize>,
+) -> bool {
     let surfaces = Surfaces::new(best.scene, best.members);
     let cost: usize = best.members.iter().map(|member| best.scene.shadows[*member].cells.len()).sum();
-    let mut first = 0;
-    for (last, most_cells) in ROUNDS {
+    let mut first = if rounds.start == 0 { 0 } else { ROUNDS[rounds.start - 1].0 };
+    for (last, most_cells) in ROUNDS[rounds].iter().copied() {
         let left = FEWEST.max(most_cells / cost.max(1));
         let mut search = Search { best: &mut *best, settings, late, left };
         let seen = search.look(&surfaces, first..last);
         let kinds = kinds(seen);
         if search.give_room(&kinds) || search.judge(&kinds) || search.improve(last) {
-            return;
+            return true;
         }
         first = last;
     }
+    false
 }
 
 /// A search in progress; its steps say whether it is over.

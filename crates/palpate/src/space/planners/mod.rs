@@ -29,8 +29,31 @@ pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>
         Planner::Linearized => linearized::linearized(best, settings, late),
         Planner::Optimized => optimized::optimized(best, settings, late),
         // `Auto`: the settings were checked.
-        _ => drawn::draw(best, settings, late),
+        _ => auto(best, settings, late),
     }
+}
+
+/// The planner of first choice: some drawn lines; where these are not good enough the thesis's ways, the quicker ones first; then
+/// many more drawn lines. None of them is the best on every problem.
+fn auto(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
+    if drawn::draw(best, settings, late, 0..1) {
+        return;
+    }
+    let ways = [
+        Planner::Linearized,
+        Planner::named::<DVec3>("schneiter").expect("space has it"),
+        Planner::named::<DVec3>("grimson").expect("space has it"),
+        Planner::Optimized,
+        Planner::Decoupled,
+    ];
+    // Where the search is to be thorough, drawn lines show all kinds.
+    for planner in ways.into_iter().take(if best.thorough { 0 } else { usize::MAX }) {
+        propose(best, &PlanSettings { planner, ..settings.clone() }, late);
+        if best.enough(settings.stop) || best.num_judged >= settings.effort || late() {
+            return;
+        }
+    }
+    drawn::draw(best, settings, late, 1..drawn::NUM_ROUNDS);
 }
 
 #[cfg(test)]
