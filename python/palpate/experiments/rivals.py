@@ -140,13 +140,13 @@ def by_nominal(problem: Problem, hypotheses: list[Hypothesis], random: np.random
             one.model.first_contact(one.world_from_model, start, way, sensor.tip_radius) for one in hypotheses
         ]
         skids = [one for one in met if one is not None and -way @ one.normal < math.cos(sensor.max_incidence)]
-        left = len(met) if skids else sum(_alike(a, b, sensor) for a in met for b in met) / len(met)
+        left = len(met) if skids else sum(alike(a, b, sensor) for a in met for b in met) / len(met)
         if left < len(met) and (best is None or left < best[0]):
             best = left, (start, end)
     return None if best is None else best[1]
 
 
-def _alike(a: FirstContact | None, b: FirstContact | None, sensor: Sensor) -> bool:
+def alike(a: FirstContact | None, b: FirstContact | None, sensor: Sensor) -> bool:
     """Whether two exact readings may be the same within the bounds."""
     if a is None or b is None:
         return a is b
