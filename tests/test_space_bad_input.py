@@ -21,7 +21,8 @@ PLANE_ONLY = [
     lambda: hypotheses()[0].poses.outline((0, 0, 0)),
     lambda: hypotheses()[0].poses.thesis_pose.excursion((0, 0, 0)),
     lambda: palpate.projection_space(hypotheses(), usual_sensor()),
-    lambda: palpate.Lines(hypotheses(), usual_sensor()),
+    lambda: palpate.Lines(hypotheses(), usual_sensor()).judge(0, 0),
+    lambda: palpate.Lines(hypotheses(), usual_sensor()).scores([0], [0]),
 ]
 
 

@@ -177,10 +177,19 @@ def test_ways_go_over_the_open_sides():
     def place(sides):
         point, (axis, upper) = random.uniform(*box), sides[random.integers(len(sides))]
         point[axis] = box[upper, axis]
+        # Some are on an edge, of which one side may be closed.
+        other = random.integers(3)
+        if random.random() < 0.3:
+            point[other] = box[0, other] if other != axis else point[other]
         return point
 
+    below = np.array([10.0, 10.0, 0.0])
+    with pytest.raises(ValueError, match=r"^end: is on no side .* that allowed directions enter"):
+        surface_route(box, place(closed), below, sides=closed)
+    tilted = open_sides(((1, 0, -0.2), 0.1))
+    assert len(tilted) == 4 and (2, 0) not in tilted
     crossed = set()
-    for sides in (None, closed):
+    for sides in (None, closed, tilted):
         for _ in range(300):
             start, end = place(sides or open_sides(None)), place(sides or open_sides(None))
             way = [start, *surface_route(box, start, end, sides=sides)]
@@ -309,7 +318,9 @@ def test_undecided_hypotheses_are_judged():
         ({"workspace": [[0, 0, 0], [1, 1, 0]]}, r"^workspace: .* a volume, shape \(2, 3\)"),
         ({"directions": ((0, -1), 1.0)}, r"^directions: .* \(\(dx, dy, dz\), half_angle\)"),
         ({"features": ["corner"]}, r'^features: unknown kind .*"edge"'),
-        ({"planner": "ellis"}, r"^planner: "),
+        ({"planner": "ellis"}, r"^planner: is none of space .*decoupled$"),
+        ({"planner": "fastest"}, r"^planner: is none of space"),
+        ({"prior": np.eye(4)}, r"^prior: must be a Prior"),
         ({"prior": palpate.Prior(np.eye(3), translation=1.0, rotation=1.0)}, r"^prior: "),
     ],
 )

@@ -898,8 +898,8 @@ def plan(
         hypotheses: `found.hypotheses` of a recognition, or some of them, all of the plane (d = 2) or all of space (d = 3).
             Lengths are in the unit of their models.
         sensor: Bounds of the next reading.
-        planner: Where candidates come from. `"auto"`: evenly spaced directions, quick; in the plane then `"grimson"` and
-            `"complete"` where these tell nothing. Of the plane: `"complete"`: all lines; no usable path of
+        planner: Where candidates come from. `"auto"`: in the plane evenly spaced directions, quick, then `"grimson"` and
+            `"complete"` where these tell nothing; in space many lines at faces and all around, and all others' lines. Of the plane: `"complete"`: all lines; no usable path of
             margin m or more has a better score, or `PlanReport.bound` says how much better at most. `"ellis"`: the
             thesis's search (3.1 to 3.3, 4.1). Of both: `"grimson"`, `"schneiter"`: 5.4.2, 5.4.3. Of space: `"optimized"`
             (5.1, 5.2), `"linearized"` (5.3), `"decoupled"` (5.4.4).

@@ -6,8 +6,8 @@ use crate::dimension::Dimension;
 /// Where candidate paths come from. Some are of the plane only, some of space only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Planner {
-    /// Quick: lines in evenly spaced directions, the most promising judged; in the plane, where that tells nothing,
-    /// `grimson` and then `complete`.
+    /// The most promising of many lines: in the plane in evenly spaced directions, then, where these tell nothing, as
+    /// `grimson` and `complete`; in space drawn at faces and all around, and of all other planners.
     #[default]
     Auto,
     /// In the plane, all lines, by branch and bound: no usable path of margin ≥ m is better.

@@ -8,7 +8,8 @@ mod solids;
 
 use std::time::Instant;
 
-use palpate::{PlanSettings, Planner, judge, plan};
+use glam::DVec3;
+use palpate::{Dimension, PlanSettings, Planner, judge, plan};
 
 /// Problems, and lines that are judged in each at most.
 const NUM_PROBLEMS: u64 = 10;
@@ -18,14 +19,15 @@ const EFFORT: u64 = 60;
 #[test]
 #[expect(clippy::disallowed_methods, reason = "it is measured how long they take")]
 fn every_planner_finds_paths_and_says_of_them_what_the_judge_says() {
-    let planners = [Planner::Auto, Planner::Decoupled, Planner::Linearized, Planner::Optimized];
-    let mut found = [0_u64; 4];
-    let mut perfect = [0_u64; 4];
-    let mut expected = [0.0; 4];
-    let mut seconds = [0.0; 4];
+    let named = |name: &&str| Planner::named::<DVec3>(name).expect("it is one of space");
+    let planners: Vec<Planner> = DVec3::PLANNERS.iter().map(named).collect();
+    let mut found = vec![0_u64; planners.len()];
+    let mut perfect = vec![0_u64; planners.len()];
+    let mut expected = vec![0.0; planners.len()];
+    let mut seconds = vec![0.0; planners.len()];
     for number in 0..NUM_PROBLEMS {
         let case = planning_space::case(number);
-        for (k, planner) in planners.into_iter().enumerate() {
+        for (k, &planner) in planners.iter().enumerate() {
             let settings = PlanSettings { planner, effort: EFFORT, ..case.settings.clone() };
             let start = Instant::now();
             let path = plan(&case.hypotheses, &case.sensor, &settings).expect("well-formed").path;
@@ -42,7 +44,7 @@ fn every_planner_finds_paths_and_says_of_them_what_the_judge_says() {
             expected[k] += path.expected_score / n;
         }
     }
-    for (k, planner) in planners.into_iter().enumerate() {
+    for (k, planner) in planners.iter().enumerate() {
         let share = expected[k] / NUM_PROBLEMS as f64;
         let (found, perfect, seconds) = (found[k], perfect[k], seconds[k]);
         println!(

@@ -12,8 +12,8 @@ import typer
 from palpate import Contact, Sensor
 from palpate.cli import options
 from palpate.cli.options import numbers_of, seconds
+from palpate.planner_names import PLANNERS
 
-PLANNERS = ("auto", "complete", "ellis", "grimson", "schneiter")
 METHODS = ("greedy", "ahead", "optimal")
 
 incidence_deg = options.number(1e-6, 89.999999, "an angle in degrees, above 0 and below 90")
@@ -193,7 +193,8 @@ Planner = Annotated[
     typer.Option(
         parser=one_of(PLANNERS),
         metavar="NAME",
-        help="auto, complete (all lines), ellis, grimson or schneiter; in space auto.",
+        help="auto, grimson or schneiter; in the plane complete (all lines) or ellis; in space optimized, "
+        "linearized or decoupled.",
     ),
 ]
 Stop = Annotated[

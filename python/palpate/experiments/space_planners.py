@@ -15,9 +15,11 @@ import sys
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
+
+from palpate.planner_names import PLANNERS_OF
 
 from . import campaign, checked, pages
 from .campaign import Row
@@ -28,8 +30,7 @@ from .rivals import alike
 from .solids import Array
 
 NAME = "planners"
-Planner = Literal["auto", "grimson", "schneiter", "optimized", "linearized", "decoupled"]
-PLANNERS: tuple[Planner, ...] = ("auto", "grimson", "schneiter", "optimized", "linearized", "decoupled")
+PLANNERS = PLANNERS_OF[3]
 RIVALS = PLANNERS[1:]
 #: Seconds that each planner has for a problem.
 MOST_SECONDS = 10.0

@@ -52,8 +52,6 @@ class Dimension:
 
     kinds: tuple[str, ...]
     """Kinds of features."""
-    planners: tuple[str, ...]
-    """By their names."""
     directions: str
     """How to give them."""
     without_normals: int
@@ -112,7 +110,6 @@ def _is_on_open_side(workspace: Array, point: Array, directions: Directions) -> 
 
 PLANE = Dimension(
     kinds=("face", "vertex"),
-    planners=("auto", "complete", "ellis", "grimson", "schneiter"),
     directions="((dx, dy), half_angle)",
     without_normals=4,
     with_balls=0,
@@ -131,7 +128,6 @@ PLANE = Dimension(
 # The surface of a box is no line that a tip could have swept: it is free for the tip, and no evidence.
 SPACE = Dimension(
     kinds=("face", "edge", "vertex"),
-    planners=("auto",),
     directions="((dx, dy, dz), half_angle)",
     without_normals=7,
     # A ball may rest on any edge: three contacts leave hundreds of hypotheses, slower than two moves.

@@ -15,6 +15,7 @@ from palpate.loop.journal import Journal, open_log
 from palpate.loop.result import Array, Result, Step
 from palpate.loop.run import Run
 from palpate.loop.settings import MAX_HYPOTHESES, MAX_TOUCHES, Settings, settings_of
+from palpate.planner_names import Planner
 from palpate.probe import Probe
 from palpate.probe.simulated import point_of
 
@@ -29,7 +30,7 @@ def identify(  # noqa: PLR0917 - the four that every call has
     contacts: Sequence[Contact] = (),
     misses: Sequence[Miss] = (),
     blind: int | None = None,
-    planner: Literal["auto", "complete", "ellis", "grimson", "schneiter"] = "auto",
+    planner: Planner = "auto",
     stop: Literal["perfect"] | tuple[Literal["unique"], int] | tuple[Literal["share"], float] = "perfect",
     directions: tuple[ArrayLike, float] | None = None,
     margin: float = 1e-3,

@@ -15,6 +15,7 @@ from palpate.contacts.entry import mm_per
 from palpate.loop.dimension import DIMENSIONS, Dimension, Search
 from palpate.loop.route import Array, workspace_of
 from palpate.loop.wander import as_swept, wandering
+from palpate.planner_names import PLANNERS_OF
 
 MAX_TOUCHES = 200
 MAX_HYPOTHESES = 1000
@@ -97,13 +98,17 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
                 f"{dimension} and {model.name!r} of {model.dimension}); identify them apart"
             )
     prior, planner = given["prior"], given["planner"]
-    if isinstance(prior, Prior) and len(prior.world_from_model) != dimension + 1:
+    if prior is not None and not isinstance(prior, Prior):
+        raise ValueError(f"prior: must be a Prior (got {prior!r}); give palpate.Prior, or leave it out")
+    if prior is not None and len(prior.world_from_model) != dimension + 1:
         raise ValueError(
             f"prior: must be of dimension {dimension} as the models are (got one of "
             f"{len(prior.world_from_model) - 1}); give a pose of shape {(dimension + 1, dimension + 1)}"
         )
-    if planner not in DIMENSIONS[dimension].planners and planner in DIMENSIONS[2].planners:
-        raise ValueError(f'planner: is of the plane only (got {planner!r}); give "auto" for solids')
+    known = PLANNERS_OF[dimension]
+    if planner not in known:
+        where = "the plane" if dimension == 2 else "space"
+        raise ValueError(f"planner: is none of {where} (got {planner!r}); give one of {', '.join(known)}")
     if not isinstance(sensor, Sensor):
         raise ValueError(f"sensor: must be a Sensor (got {sensor!r}); give palpate.Sensor")
     mm_per(given["unit"], "unit")

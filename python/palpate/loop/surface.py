@@ -48,25 +48,41 @@ def surface_route(
         workspace: Two opposite corners, shape `(2, 3)`.
         start: A place on the surface, shape `(3,)`.
         end: Another one.
-        sides: Those that may be passed; all if not given. The first and the last are those of the ends.
+        sides: Those that may be passed; all if not given.
 
     Returns:
         Places on edges that it goes by, and `end`; nothing if the tip is there.
+
+    Raises:
+        ValueError: An end that is on none of these sides.
     """
     if np.array_equal(start, end):
         return []
     passable = SIDES if sides is None else sides
+    here, there = (
+        _passable(name, point, [side for side in sides_of(workspace, point) if side in passable])
+        for name, point in (("start", start), ("end", end))
+    )
     ways: list[list[Array]] = []
-    for first, last in product(sides_of(workspace, start), sides_of(workspace, end)):
+    for first, last in product(here, there):
         if first == last:
             return [end]
         if first[0] != last[0]:
             ways.append(_over(workspace, (start, end), [first, last]))
         else:
-            across = [side for side in SIDES if side[0] != first[0]]
-            between = [side for side in across if side in passable] or across
+            # Where two opposite sides are open, so is one across: that which the axis enters most.
+            between = [side for side in passable if side[0] != first[0]]
             ways += [_over(workspace, (start, end), [first, side, last]) for side in between]
     return min(ways, key=lambda way: round(length_of([start, *way]), 9))
+
+
+def _passable(name: str, point: Array, sides: list[Side]) -> list[Side]:
+    if not sides:
+        raise ValueError(
+            f"{name}: is on no side of the workspace that allowed directions enter (got {point.tolist()}); "
+            "bring the tip to one of these"
+        )
+    return sides
 
 
 def _over(workspace: Array, ends: tuple[Array, Array], sides: list[Side]) -> list[Array]:

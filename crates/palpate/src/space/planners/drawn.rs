@@ -186,7 +186,12 @@ impl Search<'_, '_> {
             let mut lines: Vec<Line<DVec3>> =
                 (0..NUM_NEAR.min(self.left as u64 / 4)).filter_map(moved).collect();
             lines.extend(polished(scene, self.best.members, &center));
-            self.offer(&lines);
+            for some in lines.chunks(JUDGED_AT_ONCE) {
+                if self.is_over() {
+                    return true;
+                }
+                self.offer(some);
+            }
         }
         self.is_over()
     }

@@ -46,6 +46,9 @@ const KEPT: usize = 16;
 /// Renderings that are made between two looks at the time, and proposals that are looked at.
 const AT_ONCE: usize = 16;
 
+/// Above so many cells along a side grids count as fine.
+const FINE: usize = 64;
+
 /// So many paths are judged, at most.
 const MOST_JUDGED: u64 = 256;
 
@@ -98,7 +101,9 @@ pub(super) fn grimson(
 ) {
     let (scene, members) = (best.scene, best.members);
     let mut proposals = Vec::new();
-    for some in grids(scene, members, cells, num_directions).chunks(AT_ONCE) {
+    // Fine grids take longer: fewer between two looks at the time.
+    let at_once = (AT_ONCE * FINE / (FINE + cells)).max(1);
+    for some in grids(scene, members, cells, num_directions).chunks(at_once) {
         if late() {
             break;
         }
