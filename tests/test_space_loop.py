@@ -321,6 +321,10 @@ def test_undecided_hypotheses_are_judged():
         ({"planner": "ellis"}, r"^planner: is none of space .*decoupled$"),
         ({"planner": "fastest"}, r"^planner: is none of space"),
         ({"prior": np.eye(4)}, r"^prior: must be a Prior"),
+        ({"stop": "foo"}, r"^stop: must say when a path is good enough"),
+        ({"stop": ("share", 3)}, r"^stop: must say when a path is good enough"),
+        ({"stop": ("unique", True)}, r"^stop: must say when a path is good enough"),
+        ({"margin": 5}, r"^margin: must be a share of the part's size"),
         ({"prior": palpate.Prior(np.eye(3), translation=1.0, rotation=1.0)}, r"^prior: "),
     ],
 )

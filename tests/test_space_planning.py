@@ -180,6 +180,13 @@ def test_the_planner_answers_the_same_again():
         assert report.path.direction @ -NORMAL >= math.cos(1.0) - 1e-9
 
 
+@pytest.mark.parametrize("length", [1e-200, 1e200])
+def test_directions_are_of_any_length(length):
+    usual = palpate.plan(LEFT, BLUNT, directions=((0, 0, -1), 0.8))
+    assert palpate.plan(LEFT, BLUNT, directions=((0, 0, -length), 0.8)) == usual
+    assert math.acos(-usual.direction[2]) <= 0.8 + 1e-9
+
+
 def test_lines_of_space_are_scored_as_they_are_judged():
     lines = palpate.Lines(LEFT, BLUNT)
     random = np.random.default_rng(4)

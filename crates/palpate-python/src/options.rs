@@ -208,7 +208,11 @@ fn directions<V: Vector>(value: &Any<'_>) -> PyResult<(V, f64)> {
     let [axis, half] = parts.as_slice() else {
         return Err(refuse("directions", "must be a direction and a half angle", value, &remedy));
     };
-    Ok((vector("directions[0]", axis)?, number("directions[1]", half)?))
+    let axis: V = vector("directions[0]", axis)?;
+    // Of a length whose square is no number it would be no direction.
+    let extreme = !axis.dot(axis).is_normal();
+    let axis = if extreme { palpate::plan::normalized(axis).unwrap_or(axis) } else { axis };
+    Ok((axis, number("directions[1]", half)?))
 }
 
 /// Lines, each a start and a direction, which is made unit.

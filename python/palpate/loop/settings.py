@@ -121,6 +121,8 @@ def settings_of(models: Any, sensor: Any, workspace: ArrayLike, **given: Any) ->
     given["time_limit"] = _time_limit(given["time_limit"])
     if isinstance(given["stop"], list):
         given["stop"] = tuple(given["stop"])
+    _check_stop(given["stop"])
+    _check_margin(given["margin"])
     given["until"] = _until(given["until"])
     given["directions"] = _directions(given["directions"], dimension)
     given["features"] = _features(given["features"], DIMENSIONS[dimension].kinds)
@@ -191,4 +193,27 @@ def _directions(value: Any, dimension: int) -> tuple[list[float], float] | None:
             f"directions: must be a direction and a half angle from 0 to π (got {value!r}); "
             f"give {DIMENSIONS[dimension].directions}, the angle in radians"
         )
-    return axis.tolist(), half
+    # Of a length whose square is no number it would be no direction.
+    extreme = not 1e-150 < np.abs(axis).max() < 1e150
+    return (axis / np.abs(axis).max() if extreme else axis).tolist(), half
+
+
+def _check_margin(value: Any) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 1e-6 <= value <= 0.1:
+        raise ValueError(
+            f"margin: must be a share of the part's size, 1e-6 to 0.1 (got {value!r}); give 1e-3, say"
+        )
+
+
+def _check_stop(value: Any) -> None:
+    """As the core does, which is asked only when there is something to plan."""
+    if value == "perfect":
+        return
+    kind, amount = value if isinstance(value, tuple) and len(value) == 2 else (None, None)
+    whole = isinstance(amount, int) and not isinstance(amount, bool) and amount >= 1
+    share = isinstance(amount, int | float) and not isinstance(amount, bool) and 0.0 < amount <= 1.0
+    if not ((kind == "unique" and whole) or (kind == "share" and share)):
+        raise ValueError(
+            f"stop: must say when a path is good enough (got {value!r}); "
+            'give "perfect", ("unique", 2) or ("share", 0.5)'
+        )
