@@ -25,10 +25,10 @@ use crate::scene::Scene;
 
 /// Lines drawn by the end of each round, and for how many cells of pose sets a line may be judged in it: a line costs as many as
 /// all sets have.
-const ROUNDS: [(u64, usize); 3] = [(1 << 10, 4_000), (1 << 13, 16_000), (1 << 16, 32_000)];
+const ROUNDS: [(u64, usize); 3] = [(1 << 10, 1_000), (1 << 13, 16_000), (1 << 16, 32_000)];
 
 /// Lines that are judged in a round, whatever they cost.
-const FEWEST: usize = 48;
+const FEWEST: usize = 32;
 
 /// So many are looked at between two looks at the time, and so many judged.
 const LOOKED_AT_ONCE: u64 = 1 << 12;

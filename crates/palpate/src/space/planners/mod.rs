@@ -33,16 +33,16 @@ pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>
     }
 }
 
-/// The planner of first choice: some drawn lines; where these are not good enough the thesis's ways, the quicker ones first; then
-/// many more drawn lines. None of them is the best on every problem.
+/// The planner of first choice: some drawn lines; where these are not good enough the thesis's ways, those first that find most in
+/// their time; then many more drawn lines. None of them is the best on every problem.
 fn auto(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
     if drawn::draw(best, settings, late, 0..1) {
         return;
     }
     let ways = [
+        Planner::named::<DVec3>("grimson").expect("space has it"),
         Planner::Linearized,
         Planner::named::<DVec3>("schneiter").expect("space has it"),
-        Planner::named::<DVec3>("grimson").expect("space has it"),
         Planner::Optimized,
         Planner::Decoupled,
     ];
