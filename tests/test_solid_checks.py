@@ -19,6 +19,7 @@ class Named:
     name: str
     position_slack: float = 0.0
     normal_slack: float = 0.0
+    asymmetry: tuple[float, float] = (0.0, 0.0)
     symmetries: np.ndarray = field(default_factory=lambda: np.eye(4)[None])
 
 
