@@ -1354,7 +1354,8 @@ class Lines:
     def least_scores(self, directions: ArrayLike, points: ArrayLike) -> NDArray[float64]:
         """In space, what no score of a line can be below: what it would be if each hypothesis were at one pose.
 
-        It is quick.
+        It is quick. Of a hypothesis that is not proved (`Hypothesis.proved`) the pose may be none of its own: with one, the
+        number is a guess.
 
         Args:
             directions: As for `scores_through`.

@@ -977,7 +977,8 @@ Raises:
     ("Lines.least_scores") => {
         r"In space, what no score of a line can be below: what it would be if each hypothesis were at one pose.
 
-It is quick.
+It is quick. Of a hypothesis that is not proved (`Hypothesis.proved`) the pose may be none of its own: with one, the
+number is a guess.
 
 Args:
     directions: As for `scores_through`.

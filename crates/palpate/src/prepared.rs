@@ -82,8 +82,8 @@ impl Prepared<DVec3> {
         self.scene.line(direction, through)
     }
 
-    /// No judgement of a line gives a score below this: what it leaves at one pose of each hypothesis; `None` if one of these
-    /// makes it unusable. Quick.
+    /// No judgement of a line gives a score below this, if each hypothesis is proved: what it leaves at one pose of each; `None`
+    /// if one of these makes it unusable. Quick.
     #[must_use]
     pub fn least_score(&self, line: &Line<DVec3>) -> Option<f64> {
         let left = self.scene.glance(line, &self.members, 1)?;

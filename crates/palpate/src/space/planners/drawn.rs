@@ -344,40 +344,15 @@ impl Scene<DVec3> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use glam::dvec3;
 
+    use super::super::tests::{blocks, sensor};
     use super::*;
     use crate::dimension::Dimension;
-    use crate::space::shapes::{cuboid, mesh};
-    use crate::{Contact, Evidence, Hypothesis, Normal, Sensor, Settings, recognize};
-
-    /// Two blocks touched on three sides that may be any of theirs.
-    fn hypotheses() -> Vec<Hypothesis<DVec3>> {
-        let block = |height: f64| Arc::new(mesh(&cuboid(DVec3::ZERO, dvec3(30.0, 20.0, height))));
-        let touched = [
-            (dvec3(0.0, 10.0, 6.0), -DVec3::X),
-            (dvec3(15.0, 0.0, 6.0), -DVec3::Y),
-            (dvec3(15.0, 10.0, 0.0), -DVec3::Z),
-        ];
-        let contacts = touched.map(|(at, normal)| {
-            let normal = Normal::new(normal, 0.02).expect("bounds are valid");
-            Contact::new(at, 0.0, 0.3).expect("bounds are valid").with_normal(normal)
-        });
-        let evidence = Evidence { contacts: contacts.into(), ..Evidence::default() };
-        recognize(&[block(12.0), block(16.0)], &evidence, &Settings::default())
-            .expect("well-formed")
-            .hypotheses
-    }
-
-    fn sensor() -> Sensor {
-        Sensor::new(0.2, Some(0.03), 1.0).expect("bounds are valid")
-    }
 
     #[test]
     fn what_a_line_leaves_at_one_pose_no_judgement_undercuts() {
-        let hypotheses = hypotheses();
+        let hypotheses = blocks();
         assert!(hypotheses.len() > 3);
         let scene = Scene::new(&hypotheses, &sensor(), &PlanSettings::default());
         let members = scene.everyone();
@@ -403,7 +378,7 @@ mod tests {
 
     #[test]
     fn lines_are_drawn_within_the_cone_and_the_workspace_and_at_faces() {
-        let hypotheses = hypotheses();
+        let hypotheses = blocks();
         let (axis, cone) = (dvec3(0.3, 0.2, -1.0), 0.8);
         let (low, high) = (DVec3::splat(-60.0), DVec3::splat(80.0));
         let settings = PlanSettings {
@@ -428,7 +403,7 @@ mod tests {
 
     #[test]
     fn kinds_are_sorted_by_what_they_leave_and_how_many_there_are() {
-        let hypotheses = hypotheses();
+        let hypotheses = blocks();
         let scene = Scene::new(&hypotheses, &sensor(), &PlanSettings::default());
         let members = scene.everyone();
         let surfaces = Surfaces::new(&scene, &members);
