@@ -30,6 +30,9 @@ const MOST_STEPS: u32 = 512;
 
 /// A hypothesis over all its poses, made ready for lines.
 pub trait Shadow<V: Dimension>: Debug + Send + Sync {
+    /// Whether an outcome takes so long that several threads are better asked for those of a line.
+    const SLOW: bool;
+
     /// Of these poses.
     fn new(poses: &V::PoseSet) -> Self;
     /// The model.
@@ -218,7 +221,8 @@ impl<V: Dimension> Scene<V> {
     /// What the members can answer to a line, everything widened by `margin`; `None` if one of them makes it unusable.
     pub fn outcomes(&self, line: &Line<V>, members: &[usize], margin: f64) -> Option<Vec<Outcome<V>>> {
         let ask = self.question(line, margin, f64::INFINITY);
-        members.iter().map(|member| self.shadows[*member].usable_outcome(&ask)).collect()
+        let of = |member: &usize| self.shadows[*member].usable_outcome(&ask);
+        if V::Shadow::SLOW { members.par_iter().map(of).collect() } else { members.iter().map(of).collect() }
     }
 
     /// What a member can answer within a length of the line, everything widened by `margin`.
@@ -333,17 +337,18 @@ impl<V: Dimension> Scene<V> {
         outcomes: &[Outcome<V>],
         length: f64,
     ) -> f64 {
-        let (mut left, mut count) = (0, 0);
-        for &member in members {
-            for pose in &self.samples[member] {
-                let found = self.contact(member, *pose, line).filter(|found| found.depth <= length);
-                let reading =
-                    found.map(|found| Reading { depth: found.depth, aside: 0.0, normal: Some(found.normal) });
-                left += outcomes.iter().filter(|outcome| outcome.may_answer(reading, &self.sensor)).count();
-                count += 1;
-            }
-        }
-        f64::from(left as u32) / f64::from(count.max(1))
+        let left_by = |member: usize, pose: V::Pose| {
+            let found = self.contact(member, pose, line).filter(|found| found.depth <= length);
+            let reading =
+                found.map(|found| Reading { depth: found.depth, aside: 0.0, normal: Some(found.normal) });
+            outcomes.iter().filter(|outcome| outcome.may_answer(reading, &self.sensor)).count()
+        };
+        let of =
+            |member: &usize| self.samples[*member].iter().map(|pose| left_by(*member, *pose)).sum::<usize>();
+        let left: usize =
+            if V::Shadow::SLOW { members.par_iter().map(of).sum() } else { members.iter().map(of).sum() };
+        let count: usize = members.iter().map(|member| self.samples[*member].len()).sum();
+        left as f64 / count.max(1) as f64
     }
 
     /// The exact first contact of a member at a pose.

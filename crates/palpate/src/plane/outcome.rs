@@ -80,6 +80,8 @@ struct Possible {
 }
 
 impl scene::Shadow<DVec2> for Shadow {
+    const SLOW: bool = false;
+
     fn new(poses: &PoseSet) -> Self {
         Self::new(poses)
     }

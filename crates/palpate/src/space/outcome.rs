@@ -6,10 +6,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3, dvec2};
+use rayon::prelude::*;
 
 use super::distance::{beside_box, on_segment};
 use super::model::Face;
-use super::shadow::{Ray, Rim, Shadow};
+use super::shadow::{PlacedCell, Ray, Rim, Shadow};
 use super::site::angle;
 use super::sphere::Cap;
 use crate::feature::Feature;
@@ -36,6 +37,9 @@ const ROUNDING: f64 = 1e-9;
 /// Shares of what a part covers of a line, at which the line may be deep enough in it.
 const COVERED: [f64; 5] = [0.0, 0.0625, 0.125, 0.25, 0.5];
 
+/// Cells that are looked at between two looks at what was found; several threads share them.
+const AT_ONCE: usize = 32;
+
 /// Pieces into which the way of a stem is divided, at most.
 const MOST_PIECES: usize = 400;
 
@@ -59,6 +63,15 @@ struct Possible {
     feature: Feature,
     depth: Range,
     normals: Cap,
+    fault: Option<Fault>,
+}
+
+/// What may happen at the poses of one cell.
+struct InCell {
+    /// Contacts that may come first.
+    possible: Vec<Possible>,
+    may_miss: bool,
+    /// Of the start and the stem.
     fault: Option<Fault>,
 }
 
@@ -93,9 +106,11 @@ impl Shadow {
             outcome.may_miss = true;
             return outcome;
         }
-        for cell in &self.cells {
-            let mut ray = Ray::new(self, cell, line);
-            self.in_cell(&mut ray, &ask, &mut outcome);
+        let in_cell = |cell: &PlacedCell| self.in_cell(&mut Ray::new(self, cell, line), &ask);
+        for some in self.cells.chunks(AT_ONCE) {
+            for found in some.par_iter().map(in_cell).collect::<Vec<_>>().into_iter().flatten() {
+                self.include(&found, &ask, &mut outcome);
+            }
             if enough(&outcome) {
                 break;
             }
@@ -111,14 +126,14 @@ impl Shadow {
         ask.sensor.stem.is_none() && (aside > reach || along < -reach)
     }
 
-    fn in_cell(&self, ray: &mut Ray<'_>, ask: &Granted<'_>, outcome: &mut Outcome<DVec3>) {
+    /// What may happen at the poses of a cell; `None`: there are none.
+    fn in_cell(&self, ray: &mut Ray<'_>, ask: &Granted<'_>) -> Option<InCell> {
         let radius = ask.sensor.tip_radius;
         // The tip must be clear of the part where it starts.
         let keep = radius + ask.aside;
         let away = ask.line.start.distance(self.middle);
-        if away <= self.radius + keep && self.model.signed_distance(ray.start) <= keep + ray.motion(0.0) {
-            outcome.fault = Some(Fault::Start);
-        }
+        let starts_near =
+            away <= self.radius + keep && self.model.signed_distance(ray.start) <= keep + ray.motion(0.0);
         let mut possible = Vec::new();
         let mut blocked: Option<f64> = None;
         let faces = self.faces_near(ray, keep);
@@ -144,22 +159,28 @@ impl Shadow {
             possible.extend(vertices.iter().filter_map(|vertex| self.on_vertex(ray, *vertex, ask)));
         }
         if ray.is_empty() {
-            return;
+            return None;
         }
         if blocked.is_none() && !possible.is_empty() {
             blocked = self.surely_met(ray, ask);
         }
         let last = blocked.unwrap_or(f64::INFINITY).min(ask.length);
-        outcome.may_miss |= blocked.is_none_or(|depth| depth >= ask.length);
-        for one in possible.iter().filter(|one| one.depth.low <= last && one.depth.high >= 0.0) {
+        possible.retain(|one| one.depth.low <= last && one.depth.high >= 0.0);
+        let may_miss = blocked.is_none_or(|depth| depth >= ask.length);
+        let stem_meets =
+            ask.sensor.stem.as_ref().is_some_and(|stem| !self.stem_is_clear(ray, ask, stem, last));
+        let fault = if starts_near { Some(Fault::Start) } else { stem_meets.then_some(Fault::Stem) };
+        Some(InCell { possible, may_miss, fault })
+    }
+
+    /// Adds what may happen at the poses of one cell to what may at those of others.
+    fn include(&self, found: &InCell, ask: &Granted<'_>, outcome: &mut Outcome<DVec3>) {
+        outcome.may_miss |= found.may_miss;
+        for one in &found.possible {
             add_fault(outcome, one.fault.or_else(|| self.unwanted(one.feature, ask.rules)));
             add(&mut outcome.touches, one);
         }
-        if let Some(stem) = &ask.sensor.stem
-            && !self.stem_is_clear(ray, ask, stem, last)
-        {
-            add_fault(outcome, Some(Fault::Stem));
-        }
+        add_fault(outcome, found.fault);
     }
 
     /// Whether a first contact on the feature breaks a rule.

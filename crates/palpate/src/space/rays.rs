@@ -130,9 +130,11 @@ impl<'a> Tip<'a> {
         let mut first: Option<Met> = None;
         let bound = |low: DVec3, high: DVec3| ray_enters(start, direction, low, high);
         self.model.bvh().descend(self.reach, bound, |corners, face| {
-            if meets(start, end, corners) {
-                let [a, b, c] = *corners;
-                let front = orient(a, b, c, start) < 0.0 || orient(a, b, c, end) > 0.0;
+            let [a, b, c] = *corners;
+            let from = orient(a, b, c, start);
+            // Of a closed model only fronts count.
+            if !(from > 0.0 && self.model.closed) && meets(start, end, corners) {
+                let front = from < 0.0 || orient(a, b, c, end) > 0.0;
                 // What a plane that is nearly along the line leaves open, the corners bound.
                 let normal = self.model.faces[face as usize].normal;
                 let [x, y, z] = corners.map(|corner| direction.dot(corner - start));

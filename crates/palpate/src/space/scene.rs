@@ -7,6 +7,7 @@ use glam::{DQuat, DVec3};
 use super::pose::Pose;
 use super::{Model, PoseSet, Shadow};
 use crate::dimension::Dimension;
+use crate::feature::Feature;
 use crate::judge::Outcome;
 use crate::line::{FirstContact, Line};
 use crate::plan::normalized;
@@ -19,6 +20,8 @@ const NUM_VERIFYING: usize = 64;
 const ROUNDING: f64 = 1e-12;
 
 impl scene::Shadow<DVec3> for Shadow {
+    const SLOW: bool = true;
+
     fn new(poses: &PoseSet) -> Self {
         Self::new(poses)
     }
@@ -84,6 +87,25 @@ impl Scene<DVec3> {
         (turn, 0.5 * (1.0 - cone.cos()))
     }
 
+    /// What a line meets at one pose of each member; `None` if it can't be used.
+    pub(super) fn met(
+        &self,
+        line: &Line<DVec3>,
+        members: &[usize],
+    ) -> Option<Vec<Option<FirstContact<DVec3>>>> {
+        let of = |&member: &usize| {
+            let found = self.contact(member, self.views[member][0], line);
+            found.is_none_or(|found| self.is_reliable(member, line, found)).then_some(found)
+        };
+        members.iter().map(of).collect()
+    }
+
+    /// Ordered pairs of exact readings that may be the same, each with itself included.
+    pub(super) fn num_alike(&self, met: &[Option<FirstContact<DVec3>>]) -> usize {
+        let pairs = |k: usize| met[..k].iter().filter(|other| self.alike(**other, met[k])).count();
+        met.len() + 2 * (0..met.len()).map(pairs).sum::<usize>()
+    }
+
     /// Pairs that a line leaves, seen from so many views of each member at most: no judgement can be better. `None` if one of
     /// them makes it unusable.
     pub fn glance(&self, line: &Line<DVec3>, members: &[usize], num_views: usize) -> Option<usize> {
@@ -132,6 +154,22 @@ impl Scene<DVec3> {
             _ => false,
         }
     }
+}
+
+/// The features of contacts.
+pub(super) fn features(met: &[Option<FirstContact<DVec3>>]) -> Vec<Option<Feature>> {
+    met.iter().map(|met| met.map(|met| met.feature)).collect()
+}
+
+/// The convex piece of a face that holds a place of its plane, model frame.
+pub(super) fn piece_at(model: &Model, face: u32, place: DVec3) -> Option<&[u32]> {
+    let face = &model.faces[face as usize];
+    let holds = |piece: &&Vec<u32>| {
+        let corners = || piece.iter().map(|k| model.vertices[*k as usize].point);
+        let mut sides = corners().zip(corners().cycle().skip(1));
+        sides.all(|(a, b)| face.normal.cross(b - a).dot(place - a) >= 0.0)
+    };
+    face.pieces.iter().find(holds).map(Vec::as_slice)
 }
 
 /// A place in the middle of each convex piece of the faces that can be touched, with its normal, as a pose has them.

@@ -20,7 +20,12 @@ pub(super) fn meets(a: DVec3, b: DVec3, &[c, d, e]: &[DVec3; 3]) -> bool {
     if first > 0.0 && last > 0.0 || first < 0.0 && last < 0.0 || first == 0.0 && last == 0.0 {
         return false;
     }
-    let around = [orient(a, b, c, d), orient(a, b, d, e), orient(a, b, e, c)];
+    let (one, other) = (orient(a, b, c, d), orient(a, b, d, e));
+    if one > 0.0 && other < 0.0 || one < 0.0 && other > 0.0 {
+        return false;
+    }
+    let third = orient(a, b, e, c);
+    let around = [one, other, third];
     around.iter().all(|&side| side >= 0.0) || around.iter().all(|&side| side <= 0.0)
 }
 

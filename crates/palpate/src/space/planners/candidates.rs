@@ -4,6 +4,7 @@
 //! `(x, y) + z·(α, β)`, travelled toward −Z (MATH row 57). A corner P is seen at `(P_x − α P_z, P_y − β P_z)` (5.2 with row 76).
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3, dvec3};
 use rayon::prelude::*;
@@ -15,6 +16,7 @@ use crate::line::Line;
 use crate::plan::PlanSettings;
 use crate::scene::Scene;
 use crate::space::lp::{Program, Row};
+use crate::space::scene::{features, piece_at};
 
 /// Generators that are planned for, and how many between two looks at the time.
 const MOST_GENERATORS: usize = 96;
@@ -22,6 +24,9 @@ const AT_ONCE: usize = 12;
 
 /// Lines that are judged of so many generators, at most, unless the search is to be thorough.
 const MOST_JUDGED: usize = 8;
+
+/// Lines that are looked at from all views of so many generators, likewise.
+const MOST_LOOKED_AT: usize = 32;
 
 /// Directions all around from which candidate sets are looked for.
 const NUM_DIRECTIONS: usize = 32;
@@ -33,7 +38,7 @@ const MOST_SETS: usize = 3;
 const MOST_SLOPE: f64 = 2.0;
 
 /// Two shifts, two slopes, the room.
-const WIDTH: usize = 5;
+pub(super) const WIDTH: usize = 5;
 
 /// Coordinates about a generator.
 #[derive(Debug, Clone, Copy)]
@@ -103,6 +108,8 @@ pub(super) struct Generator {
     pub chart: Chart,
     /// World frame, moved out by the radius of the tip; convex, counter-clockwise from outside.
     pub corners: Vec<DVec3>,
+    /// Once they were asked for.
+    sets: OnceLock<Vec<CandidateSet>>,
 }
 
 /// The side of a convex piece, chart coordinates, the piece on its left.
@@ -128,7 +135,7 @@ pub(super) fn most_slope(scene: &Scene<DVec3>) -> f64 {
 }
 
 /// The largest pieces of each member first.
-fn generators(scene: &Scene<DVec3>, members: &[usize]) -> Vec<Generator> {
+pub(super) fn generators(scene: &Scene<DVec3>, members: &[usize]) -> Vec<Generator> {
     let mut all: Vec<(usize, Generator)> = Vec::new();
     for &member in members {
         let (model, pose) = (scene.shadows[member].model(), scene.views[member][0]);
@@ -148,7 +155,7 @@ fn generators(scene: &Scene<DVec3>, members: &[usize]) -> Vec<Generator> {
                 let origin = corners.iter().sum::<DVec3>() / corners.len() as f64;
                 let chart = Chart::new(origin, normal);
                 let seen: Vec<DVec3> = corners.iter().map(|corner| chart.point(*corner)).collect();
-                own.push((area(&seen, DVec2::ZERO), Generator { member, face: number, chart, corners }));
+                own.push((area(&seen, DVec2::ZERO), Generator::new(member, number, chart, corners)));
             }
         }
         own.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -168,21 +175,34 @@ pub(super) fn area(corners: &[DVec3], slopes: DVec2) -> f64 {
 /// Offers what is planned for each generator.
 pub(super) fn offer_planned(
     best: &mut Best<'_, DVec3>,
+    generators: &[Generator],
     settings: &PlanSettings<DVec3>,
     late: &dyn Fn() -> bool,
     plan: impl Fn(&Scene<DVec3>, &[usize], &Generator) -> Vec<Line<DVec3>> + Sync,
 ) {
     let (scene, members) = (best.scene, best.members);
-    for some in generators(scene, members).chunks(AT_ONCE) {
+    for some in generators.chunks(AT_ONCE) {
         if late() || best.num_judged >= settings.effort || best.enough(settings.stop) {
             return;
         }
         let lines: Vec<Line<DVec3>> =
             some.par_iter().flat_map_iter(|generator| plan(scene, members, generator)).collect();
-        let look = |line: &Line<DVec3>| Some((scene.glance(line, members, usize::MAX)?, *line));
-        let mut looked_at: Vec<(usize, Line<DVec3>)> = lines.par_iter().filter_map(look).collect();
+        let (most, thorough) = (best.num_left(), best.thorough);
+        // From one view at first, which is quick.
+        let look = |line: Line<DVec3>, num_views: usize| {
+            let left = scene.glance(&line, members, num_views)?;
+            (thorough || left <= most).then_some((left, line))
+        };
+        let mut looked_at: Vec<(usize, Line<DVec3>)> =
+            lines.into_par_iter().filter_map(|line| look(line, 1)).collect();
         looked_at.sort_by_key(|(left, _)| *left);
-        looked_at.truncate(if best.thorough { usize::MAX } else { MOST_JUDGED });
+        looked_at.truncate(if thorough { usize::MAX } else { MOST_LOOKED_AT });
+        let looked_at: Vec<(usize, Line<DVec3>)> =
+            looked_at.into_par_iter().filter_map(|(_, line)| look(line, usize::MAX)).collect();
+        let may_be_used = |(_, line): &(usize, Line<DVec3>)| thorough || scene.may_be_used(line, members);
+        let mut looked_at: Vec<_> = looked_at.into_par_iter().filter(may_be_used).collect();
+        looked_at.sort_by_key(|(left, _)| *left);
+        looked_at.truncate(if thorough { usize::MAX } else { MOST_JUDGED });
         for (left, line) in looked_at {
             if late() || best.num_judged >= settings.effort || best.enough(settings.stop) {
                 return;
@@ -194,12 +214,18 @@ pub(super) fn offer_planned(
     }
 }
 
-/// The sets of faces that lines through a generator meet, those that leave the fewest pairs at the nominal poses first.
-pub(super) fn candidate_sets(
-    scene: &Scene<DVec3>,
-    members: &[usize],
-    generator: &Generator,
-) -> Vec<CandidateSet> {
+impl Generator {
+    fn new(member: usize, face: u32, chart: Chart, corners: Vec<DVec3>) -> Self {
+        Self { member, face, chart, corners, sets: OnceLock::new() }
+    }
+
+    /// The sets of faces that lines through it meet, those that leave the fewest pairs at the nominal poses first.
+    pub fn candidate_sets(&self, scene: &Scene<DVec3>, members: &[usize]) -> &[CandidateSet] {
+        self.sets.get_or_init(|| candidate_sets(scene, members, self))
+    }
+}
+
+fn candidate_sets(scene: &Scene<DVec3>, members: &[usize], generator: &Generator) -> Vec<CandidateSet> {
     let normal = generator.chart.axes[2];
     let flattest = most_slope(scene).atan().cos();
     let across = scene.directions(NUM_DIRECTIONS).filter(|one| -one.dot(normal) >= flattest);
@@ -209,10 +235,9 @@ pub(super) fn candidate_sets(
     let mut found: BTreeMap<Vec<Option<Feature>>, (usize, Line<DVec3>)> = BTreeMap::new();
     for direction in std::iter::once(-normal).chain(across) {
         for line in places.iter().filter_map(|place| scene.line(direction, *place)) {
-            let Some(left) = scene.glance(&line, members, 1) else { continue };
-            let met = |member: &usize| scene.contact(*member, scene.views[*member][0], &line);
-            let features: Vec<Option<Feature>> =
-                members.iter().map(|member| met(member).map(|met| met.feature)).collect();
+            let Some(met) = scene.met(&line, members) else { continue };
+            let left = scene.num_alike(&met);
+            let features = features(&met);
             let own = members.iter().position(|member| *member == generator.member);
             if own.is_some_and(|own| features[own] == Some(Feature::Face(generator.face))) {
                 found.entry(features).or_insert((left, line));
@@ -237,13 +262,8 @@ fn candidate_set(
         let (model, views) = (scene.shadows[member].model(), &scene.views[member]);
         let Some(met) = scene.contact(member, views[0], line) else { continue };
         let Feature::Face(number) = met.feature else { return None };
-        let face = &model.faces[number as usize];
         let place = views[0].inverse().apply(line.at(met.depth) - scene.sensor.tip_radius * met.normal);
-        let piece = face.pieces.iter().find(|piece| {
-            let corners = || piece.iter().map(|k| model.vertices[*k as usize].point);
-            let mut sides = corners().zip(corners().cycle().skip(1));
-            sides.all(|(a, b)| face.normal.cross(b - a).dot(place - a) >= 0.0)
-        })?;
+        let (face, piece) = (&model.faces[number as usize], piece_at(model, number, place)?);
         for pose in views {
             // The side of a loose face that is met is the one that is turned to the line.
             let normal = pose.rotation * face.normal;
@@ -294,9 +314,18 @@ pub(super) fn roomiest(sides: &[Side], at: [f64; 4], half: [f64; 4], size: f64) 
         let (bound, [x, y, a, b]) = side.room(at)?;
         Some(Row { normal: [-x, -y, -a, -b, 1.0], bound })
     });
-    let [x, y, a, b] = half;
+    let [x, y, a, b] = most_room(rows, half, size);
+    [at[0] + x, at[1] + y, at[2] + a, at[3] + b]
+}
+
+/// The step of shifts and slopes within a box that gives the most room, rows being linear in these and in the room.
+pub(super) fn most_room(
+    rows: impl Iterator<Item = Row<WIDTH>>,
+    [x, y, a, b]: [f64; 4],
+    most: f64,
+) -> [f64; 4] {
     let mut objective = [0.0; WIDTH];
     objective[WIDTH - 1] = 1.0;
-    let [x, y, a, b, _] = Program::new(rows, [x, y, a, b, size]).maximize(&objective).point;
-    [at[0] + x, at[1] + y, at[2] + a, at[3] + b]
+    let [x, y, a, b, _] = Program::new(rows, [x, y, a, b, most]).maximize(&objective).point;
+    [x, y, a, b]
 }

@@ -29,6 +29,9 @@ const MOST_POSITIONS: usize = 16;
 /// Solutions that are kept: of the first problem, and of the second for each.
 const KEPT: [usize; 2] = [3, 2];
 
+/// Of a generator's lines so many are kept, the best at the nominal poses, as they are and given more room.
+const MOST_POLISHED: usize = 3;
+
 /// A face that is turned to the generator's side, in pieces, chart coordinates.
 struct Seen {
     pieces: Vec<Vec<DVec3>>,
@@ -53,21 +56,27 @@ struct Solution {
 }
 
 /// Offers lines to `best`.
-pub(super) fn decoupled(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
-    offer_planned(best, settings, late, planned);
+pub(super) fn decoupled(
+    best: &mut Best<'_, DVec3>,
+    generators: &[Generator],
+    settings: &PlanSettings<DVec3>,
+    late: &dyn Fn() -> bool,
+) {
+    offer_planned(best, generators, settings, late, planned);
 }
 
 fn planned(scene: &Scene<DVec3>, members: &[usize], generator: &Generator) -> Vec<Line<DVec3>> {
-    let best_turn = (0..NUM_TURNS)
-        .map(|k| generator.chart.turned(FRAC_PI_2 * f64::from(k) / f64::from(NUM_TURNS)))
-        .map(|chart| (excess(scene, members, &chart), chart))
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, chart)) = best_turn else { return Vec::new() };
+    let faces: Vec<Seen> = members.iter().flat_map(|member| seen(scene, *member, &generator.chart)).collect();
+    let chart = generator.chart.turned(best_turn(&faces, generator.chart.axes[2]));
     // The other order is the same in the chart turned by a right angle.
-    [chart, chart.turned(FRAC_PI_2)]
-        .iter()
-        .flat_map(|chart| ordered(scene, members, generator, chart))
-        .collect()
+    let both = [chart, chart.turned(FRAC_PI_2)];
+    let lines = both.iter().flat_map(|chart| ordered(scene, members, generator, chart));
+    let mut looked_at: Vec<(usize, Line<DVec3>)> =
+        lines.filter_map(|line| Some((scene.glance(&line, members, 1)?, line))).collect();
+    looked_at.sort_by_key(|(left, _)| *left);
+    looked_at.truncate(MOST_POLISHED);
+    let as_they_are = looked_at.iter().map(|(_, line)| *line);
+    as_they_are.clone().chain(as_they_are.filter_map(|line| polished(scene, members, &line))).collect()
 }
 
 /// Faces of a member at its nominal pose that are turned to the generator's side, moved out by the radius of the tip.
@@ -85,20 +94,24 @@ fn seen(scene: &Scene<DVec3>, member: usize, chart: &Chart) -> Vec<Seen> {
     all
 }
 
-/// By how much the bounding rectangles of all faces, seen along the generator's normal, exceed them.
-fn excess(scene: &Scene<DVec3>, members: &[usize], chart: &Chart) -> f64 {
-    let faces = members.iter().flat_map(|member| seen(scene, *member, chart));
-    let toward = faces.filter(|face| face.normal.dot(chart.axes[2]) > 0.0);
-    toward
-        .map(|face| {
-            let filled: f64 = face.pieces.iter().map(|piece| area(piece, DVec2::ZERO).abs()).sum();
-            rectangle(face.pieces.iter().flatten(), DVec2::ZERO) - filled
-        })
-        .sum()
+/// The turn of the chart at which the bounding rectangles of faces, seen along the generator's normal, exceed them least:
+/// the rectangles are smallest, as the faces stay as large as they are.
+fn best_turn(faces: &[Seen], normal: DVec3) -> f64 {
+    let turned = |turn: f64| {
+        let back = DVec2::from_angle(-turn);
+        let around = |face: &Seen| {
+            let corners = face.pieces.iter().flatten().map(|at| back.rotate(at.truncate()).extend(at.z));
+            rectangle(corners, DVec2::ZERO)
+        };
+        faces.iter().filter(|face| face.normal.dot(normal) > 0.0).map(around).sum::<f64>()
+    };
+    let turns = (0..NUM_TURNS).map(|k| FRAC_PI_2 * f64::from(k) / f64::from(NUM_TURNS));
+    let sizes = turns.map(|turn| (turned(turn), turn));
+    sizes.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, turn)| turn)
 }
 
 /// The area of the rectangle around corners as they are seen at two slopes.
-fn rectangle<'a>(corners: impl Iterator<Item = &'a DVec3>, slopes: DVec2) -> f64 {
+fn rectangle(corners: impl Iterator<Item = DVec3>, slopes: DVec2) -> f64 {
     let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (low, high) = corners
         .map(|corner| corner.truncate() - corner.z * slopes)
@@ -110,7 +123,7 @@ fn rectangle<'a>(corners: impl Iterator<Item = &'a DVec3>, slopes: DVec2) -> f64
 /// (thesis 5.4.4; MATH 2.5: the area as it is seen, in that of its bounding rectangle). Corners are in the chart.
 #[must_use]
 pub fn predicted_hit_rate(corners: &[DVec3], slopes: DVec2) -> f64 {
-    let around = rectangle(corners.iter(), slopes);
+    let around = rectangle(corners.iter().copied(), slopes);
     if around > 0.0 { area(corners, slopes).abs() / around } else { 0.0 }
 }
 
@@ -146,9 +159,7 @@ fn ordered(
         let within = sliced(&own, first.offset, first.slope).map(|[a, b]| [a.x.min(b.x), a.x.max(b.x)]);
         let Some(within) = within else { continue };
         for second in solutions(scene, &slices, within, most, allowed, Some(&direct), KEPT[1]) {
-            let found = chart.line(scene, [first.offset, second.offset, first.slope, second.slope]);
-            lines.extend(found);
-            lines.extend(found.and_then(|line| polished(scene, members, &line)));
+            lines.extend(chart.line(scene, [first.offset, second.offset, first.slope, second.slope]));
         }
     }
     lines
@@ -183,14 +194,22 @@ fn sliced(corners: &[DVec3], offset: f64, slope: f64) -> Option<[DVec2; 2]> {
     ends.try_into().ok()
 }
 
-/// The height at which `offset + slope · z`, coming from above, meets the first of the segments, and which.
-fn first_met(segments: &[Segment], offset: f64, slope: f64) -> Option<(f64, DVec3)> {
-    let met = segments.iter().filter_map(|segment| {
-        let [from, to] = segment.ends.map(|end| end.x - offset - slope * end.y);
-        ((from < 0.0) != (to < 0.0))
-            .then(|| (segment.ends[0].lerp(segment.ends[1], from / (from - to)).y, segment.normal))
-    });
-    met.max_by(|a, b| a.0.total_cmp(&b.0))
+/// The height at which each `offset + slope · z`, coming from above, meets the first of the segments, and which; `offsets` go
+/// up.
+fn first_met(segments: &[Segment], offsets: &[f64], slope: f64) -> Vec<Option<(f64, DVec3)>> {
+    let mut first: Vec<Option<(f64, DVec3)>> = vec![None; offsets.len()];
+    for segment in segments {
+        let [a, b] = segment.ends.map(|end| end.x - slope * end.y);
+        let from = offsets.partition_point(|offset| *offset <= a.min(b));
+        let to = offsets.partition_point(|offset| *offset <= a.max(b));
+        for (known, offset) in first[from..to].iter_mut().zip(&offsets[from..to]) {
+            let height = segment.ends[0].lerp(segment.ends[1], (a - offset) / (a - b)).y;
+            if known.is_none_or(|(highest, _)| height >= highest) {
+                *known = Some((height, segment.normal));
+            }
+        }
+    }
+    first
 }
 
 /// The lines of a plane through the generator's span that leave the fewest pairs, the widest first among equals. `direct`
@@ -216,11 +235,15 @@ fn solutions(
             critical.windows(2).map(|pair| [0.5 * (pair[0] + pair[1]), pair[1] - pair[0]]).collect();
         gaps.sort_by(|a, b| b[1].total_cmp(&a[1]));
         gaps.truncate(MOST_POSITIONS);
+        gaps.retain(|gap| gap[1] > 0.0);
+        gaps.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let offsets: Vec<f64> = gaps.iter().map(|gap| gap[0]).collect();
+        let of_members: Vec<_> =
+            segments.iter().map(|segments| first_met(segments, &offsets, slope)).collect();
         let direction = direct.map(|direct| direct(slope));
         let stretch = (1.0 + slope * slope).sqrt();
-        for [offset, width] in gaps.into_iter().filter(|gap| gap[1] > 0.0) {
-            let mut met = Vec::with_capacity(segments.len());
-            met.extend(segments.iter().filter_map(|segments| first_met(segments, offset, slope)));
+        for (k, [offset, width]) in gaps.into_iter().enumerate() {
+            let mut met: Vec<(f64, DVec3)> = of_members.iter().filter_map(|of_member| of_member[k]).collect();
             let steep = |normal: DVec3| direction.is_some_and(|one| -normal.dot(one) < flattest);
             if met.is_empty() || met.iter().any(|(_, normal)| steep(*normal)) {
                 continue;
@@ -299,7 +322,7 @@ mod tests {
                 let line = Line { start: chart.place(at) - 300.0 * direction, direction };
                 let found = model.first_contact(pose, &line, 0.0);
                 let height = found.map(|found| chart.point(line.at(found.depth)).z);
-                let sliced = first_met(&segments, at.y, slopes.y).map(|(height, _)| height);
+                let sliced = first_met(&segments, &[at.y], slopes.y)[0].map(|(height, _)| height);
                 assert_eq!(height.is_some(), sliced.is_some());
                 if let (Some(height), Some(sliced)) = (height, sliced) {
                     assert!((height - sliced).abs() < 1e-8, "{height} {sliced}");

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use super::polish::polished;
 use crate::best::Best;
 use crate::feature::Feature;
-use crate::line::Line;
+use crate::line::{FirstContact, Line};
 use crate::plan::PlanSettings;
 use crate::scene::Scene;
 
@@ -321,24 +321,20 @@ impl Surface<'_> {
 impl Scene<DVec3> {
     /// Pairs that a line leaves at one pose of each member, and the kind of line: what it meets; `None` if it can't be used.
     fn look(&self, line: &Line<DVec3>, members: &[usize]) -> Option<(usize, u64)> {
-        let mut met = Vec::with_capacity(members.len());
-        // FNV-1a, of the features.
-        let mut kind = 0xcbf2_9ce4_8422_2325_u64;
-        for &member in members {
-            let found = self.contact(member, self.views[member][0], line);
-            if found.is_some_and(|found| !self.is_reliable(member, line, found)) {
-                return None;
-            }
-            let number = found.map_or(0, |found| match found.feature {
+        let met = self.met(line, members)?;
+        let number = |met: &Option<FirstContact<DVec3>>| {
+            met.map_or(0, |met| match met.feature {
                 Feature::Face(k) => 1 + 3 * u64::from(k),
                 Feature::Edge(k) => 2 + 3 * u64::from(k),
                 Feature::Vertex(k) => 3 + 3 * u64::from(k),
-            });
-            kind = (kind ^ number).wrapping_mul(0x0100_0000_01b3);
-            met.push(found);
-        }
-        let pairs = |k: usize| met[..k].iter().filter(|other| self.alike(**other, met[k])).count();
-        Some((members.len() + 2 * (0..met.len()).map(pairs).sum::<usize>(), kind))
+            })
+        };
+        // FNV-1a, of the features.
+        let kind = met
+            .iter()
+            .map(number)
+            .fold(0xcbf2_9ce4_8422_2325_u64, |kind, number| (kind ^ number).wrapping_mul(0x0100_0000_01b3));
+        Some((self.num_alike(&met), kind))
     }
 }
 

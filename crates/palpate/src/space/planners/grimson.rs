@@ -117,7 +117,8 @@ pub(super) fn grimson(
         let left = best.num_left();
         let look = |proposal: &Proposal| {
             let line = scene.line(proposal.line.direction, proposal.line.start)?;
-            (proposal.left < left && scene.glance(&line, members, usize::MAX)? < left).then_some(line)
+            let promising = proposal.left < left && scene.glance(&line, members, usize::MAX)? < left;
+            (promising && scene.may_be_used(&line, members)).then_some(line)
         };
         let lines: Vec<Line<DVec3>> = some.par_iter().filter_map(look).collect();
         for line in lines {

@@ -8,9 +8,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::candidates::{
-    CandidateSet, Generator, Side, candidate_sets, most_slope, offer_planned, roomiest, sides,
-};
+use super::candidates::{CandidateSet, Generator, Side, most_slope, offer_planned, roomiest, sides};
 use crate::best::Best;
 use crate::line::Line;
 use crate::plan::PlanSettings;
@@ -22,14 +20,14 @@ const SHARES: [f64; 2] = [0.2, 1.0];
 /// Offers lines to `best`.
 pub(super) fn linearized(
     best: &mut Best<'_, DVec3>,
+    generators: &[Generator],
     settings: &PlanSettings<DVec3>,
     late: &dyn Fn() -> bool,
 ) {
-    offer_planned(best, settings, late, planned);
+    offer_planned(best, generators, settings, late, planned);
 }
 
 fn planned(scene: &Scene<DVec3>, members: &[usize], generator: &Generator) -> Vec<Line<DVec3>> {
-    let sets = candidate_sets(scene, members, generator);
     let rho = most_slope(scene);
     let of_set = |set: &CandidateSet, share: f64| {
         let at = |slopes: [f64; 2], most: f64| {
@@ -44,6 +42,7 @@ fn planned(scene: &Scene<DVec3>, members: &[usize], generator: &Generator) -> Ve
         // Where the best direction is not allowed that of the first line is kept.
         at([0.0; 2], share * rho).or_else(|| at([set.start[2], set.start[3]], 0.0))
     };
+    let sets = generator.candidate_sets(scene, members);
     sets.iter().flat_map(|set| SHARES.iter().filter_map(move |share| of_set(set, *share))).collect()
 }
 

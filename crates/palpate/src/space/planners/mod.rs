@@ -11,9 +11,12 @@ mod polish;
 mod rendering;
 mod schneiter;
 
+use std::cell::OnceCell;
+
 use glam::DVec3;
 
 pub use candidates::Chart;
+use candidates::Generator;
 pub use decoupled::predicted_hit_rate;
 pub use linearized::{LinearizationError, linearization_error};
 
@@ -23,13 +26,28 @@ use crate::plan::{PlanSettings, Planner};
 /// Offers lines to `best`, as the settings say.
 pub(super) fn propose(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
     match settings.planner {
+        Planner::Auto => auto(best, settings, late),
+        planner => ask(best, planner, &OnceCell::new(), settings, late),
+    }
+}
+
+/// Offers lines of one of the thesis's planners; what the last three look for they share.
+fn ask(
+    best: &mut Best<'_, DVec3>,
+    planner: Planner,
+    generators: &OnceCell<Vec<Generator>>,
+    settings: &PlanSettings<DVec3>,
+    late: &dyn Fn() -> bool,
+) {
+    let (scene, members) = (best.scene, best.members);
+    let generators = || generators.get_or_init(|| candidates::generators(scene, members));
+    match planner {
         Planner::Grimson { cells, directions } => grimson::grimson(best, [cells, directions], settings, late),
         Planner::Schneiter { cells } => schneiter::schneiter(best, cells, settings, late),
-        Planner::Decoupled => decoupled::decoupled(best, settings, late),
-        Planner::Linearized => linearized::linearized(best, settings, late),
-        Planner::Optimized => optimized::optimized(best, settings, late),
-        // `Auto`: the settings were checked.
-        _ => auto(best, settings, late),
+        Planner::Decoupled => decoupled::decoupled(best, generators(), settings, late),
+        Planner::Linearized => linearized::linearized(best, generators(), settings, late),
+        Planner::Optimized => optimized::optimized(best, generators(), settings, late),
+        _ => unreachable!("the settings were checked"),
     }
 }
 
@@ -46,9 +64,10 @@ fn auto(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn F
         Planner::Optimized,
         Planner::Decoupled,
     ];
+    let generators = OnceCell::new();
     // Where the search is to be thorough, drawn lines show all kinds.
     for planner in ways.into_iter().take(if best.thorough { 0 } else { usize::MAX }) {
-        propose(best, &PlanSettings { planner, ..settings.clone() }, late);
+        ask(best, planner, &generators, settings, late);
         if best.enough(settings.stop) || best.num_judged >= settings.effort || late() {
             return;
         }

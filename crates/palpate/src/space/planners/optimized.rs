@@ -7,9 +7,7 @@
 
 use glam::DVec3;
 
-use super::candidates::{
-    CandidateSet, Generator, Side, candidate_sets, least_room, offer_planned, roomiest, sides,
-};
+use super::candidates::{CandidateSet, Generator, Side, least_room, offer_planned, roomiest, sides};
 use crate::best::Best;
 use crate::line::Line;
 use crate::plan::PlanSettings;
@@ -23,8 +21,13 @@ const SHIFT: f64 = 0.2;
 const TURN: f64 = 0.3;
 
 /// Offers lines to `best`.
-pub(super) fn optimized(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn Fn() -> bool) {
-    offer_planned(best, settings, late, planned);
+pub(super) fn optimized(
+    best: &mut Best<'_, DVec3>,
+    generators: &[Generator],
+    settings: &PlanSettings<DVec3>,
+    late: &dyn Fn() -> bool,
+) {
+    offer_planned(best, generators, settings, late, planned);
 }
 
 fn planned(scene: &Scene<DVec3>, members: &[usize], generator: &Generator) -> Vec<Line<DVec3>> {
@@ -34,7 +37,7 @@ fn planned(scene: &Scene<DVec3>, members: &[usize], generator: &Generator) -> Ve
         let with = |turn: f64| generator.chart.line(scene, optimum(&all, set.start, turn, scene.size));
         with(TURN).or_else(|| with(0.0))
     };
-    candidate_sets(scene, members, generator).iter().filter_map(of_set).collect()
+    generator.candidate_sets(scene, members).iter().filter_map(of_set).collect()
 }
 
 /// Steps to more room, within a box that is halved where a step leads to less.

@@ -5,9 +5,13 @@
 
 use glam::DVec3;
 
-use crate::line::Line;
+use super::candidates::{WIDTH, most_room};
+use crate::feature::Feature;
+use crate::line::{FirstContact, Line};
 use crate::scene::Scene;
-use crate::space::lp::{Program, Row};
+use crate::space::Pose;
+use crate::space::lp::Row;
+use crate::space::scene::{features, piece_at};
 
 /// Steps, each of which is linear.
 const STEPS: usize = 3;
@@ -16,16 +20,14 @@ const STEPS: usize = 3;
 const MOST_TURN: f64 = 0.2;
 const MOST_SHIFT: f64 = 0.2;
 
-/// Two shifts, two slopes, the room.
-const WIDTH: usize = 5;
-
 /// The line with the most room around it, near a line that meets faces, that meets the same faces at all views; `None`: it is
 /// the line itself, or it meets none.
 pub(super) fn polished(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Option<Line<DVec3>> {
     let (mut best, mut next) = (*line, *line);
+    let mut met = met(scene, members, line);
     let mut most = f64::NEG_INFINITY;
     for step in 0..=STEPS {
-        let Some(rows) = rows(scene, members, &next) else { break };
+        let Some(rows) = rows(scene, members, &next, &met) else { break };
         let room = room(&rows);
         // The room is linear to first order only: a step may have lost some.
         if !room.is_finite() || room <= most + 1e-3 * scene.margin {
@@ -36,19 +38,17 @@ pub(super) fn polished(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec
             break;
         }
         let shift = MOST_SHIFT * scene.size;
-        let half = [shift, shift, MOST_TURN, MOST_TURN, scene.size];
-        let mut objective = [0.0; WIDTH];
-        objective[WIDTH - 1] = 1.0;
-        let optimum = Program::new(rows.into_iter(), half).maximize(&objective);
-        let [x, y, a, b, _] = optimum.point;
+        let half = [shift, shift, MOST_TURN, MOST_TURN];
+        let [x, y, a, b] = most_room(rows.into_iter(), half, scene.size);
         let (right, up) = best.direction.any_orthonormal_pair();
         let direction = (best.direction + a * right + b * up).normalize();
         let point = pivot(scene, &best) + x * right + y * up;
         let Some(moved) = scene.line(direction, point) else { break };
-        if features(scene, members, &moved) != features(scene, members, &best) {
+        let met_then = self::met(scene, members, &moved);
+        if features(&met_then) != features(&met) {
             break;
         }
-        next = moved;
+        (next, met) = (moved, met_then);
     }
     (best != *line).then_some(best)
 }
@@ -64,48 +64,47 @@ fn pivot(scene: &Scene<DVec3>, line: &Line<DVec3>) -> DVec3 {
     line.at(line.depth_and_aside(scene.middle).0)
 }
 
-/// What is met at each view.
-fn features(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Vec<Option<crate::Feature>> {
-    let views =
-        members.iter().flat_map(|member| scene.views[*member].iter().map(move |pose| (*member, *pose)));
-    views.map(|(member, pose)| scene.contact(member, pose, line).map(|met| met.feature)).collect()
+/// What is met at each view of each member, one after the other.
+fn met(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Vec<Option<FirstContact<DVec3>>> {
+    views(scene, members).map(|(member, pose)| scene.contact(member, pose, line)).collect()
+}
+
+/// Members, and their poses.
+fn views<'a>(scene: &'a Scene<DVec3>, members: &'a [usize]) -> impl Iterator<Item = (usize, Pose)> + 'a {
+    members.iter().flat_map(|member| scene.views[*member].iter().map(move |pose| (*member, *pose)))
 }
 
 /// That the line stays inside of the sides of the faces it meets, by the room, and within the largest incidence.
-fn rows(scene: &Scene<DVec3>, members: &[usize], line: &Line<DVec3>) -> Option<Vec<Row<WIDTH>>> {
+fn rows(
+    scene: &Scene<DVec3>,
+    members: &[usize],
+    line: &Line<DVec3>,
+    met: &[Option<FirstContact<DVec3>>],
+) -> Option<Vec<Row<WIDTH>>> {
     let (right, up) = line.direction.any_orthonormal_pair();
     let pivot = pivot(scene, line);
     let flattest = scene.sensor.max_incidence.cos();
     let mut rows = Vec::new();
-    for &member in members {
+    for ((member, pose), met) in views(scene, members).zip(met) {
+        let Some(met) = met else { continue };
+        let Feature::Face(number) = met.feature else { return None };
         let model = scene.shadows[member].model();
-        for pose in &scene.views[member] {
-            let Some(met) = scene.contact(member, *pose, line) else { continue };
-            let crate::Feature::Face(number) = met.feature else { return None };
-            let face = &model.faces[number as usize];
-            let place = line.at(met.depth) - scene.sensor.tip_radius * met.normal;
-            let in_model = pose.inverse().apply(place);
-            // A convex piece of the face stands for it.
-            let piece = face.pieces.iter().find(|piece| {
-                let corners = || piece.iter().map(|k| model.vertices[*k as usize].point);
-                let mut sides = corners().zip(corners().cycle().skip(1));
-                sides.all(|(a, b)| face.normal.cross(b - a).dot(in_model - a) >= 0.0)
-            })?;
-            let moved = scene.sensor.tip_radius * met.normal;
-            let at = |k: &u32| pose.apply(model.vertices[*k as usize].point) + moved;
-            for (a, b) in piece.iter().map(at).zip(piece.iter().cycle().skip(1).map(at)) {
-                // Across the line and the side, away from the face.
-                let Some(out) = (b - a).cross(line.direction).try_normalize() else { continue };
-                let out = if out.dot(0.5 * (a + b) - line.at(met.depth)) < 0.0 { -out } else { out };
-                let depth = line.direction.dot(line.at(met.depth) - pivot);
-                let bound = out.dot(a - line.start);
-                let (x, y) = (out.dot(right), out.dot(up));
-                rows.push(Row { normal: [x, y, depth * x, depth * y, 1.0], bound });
-            }
-            let slack = -met.normal.dot(line.direction) - flattest;
-            let normal = [0.0, 0.0, met.normal.dot(right), met.normal.dot(up), 0.0];
-            rows.push(Row { normal, bound: slack });
+        let moved = scene.sensor.tip_radius * met.normal;
+        // A convex piece of the face stands for it.
+        let piece = piece_at(model, number, pose.inverse().apply(line.at(met.depth) - moved))?;
+        let at = |k: &u32| pose.apply(model.vertices[*k as usize].point) + moved;
+        for (a, b) in piece.iter().map(at).zip(piece.iter().cycle().skip(1).map(at)) {
+            // Across the line and the side, away from the face.
+            let Some(out) = (b - a).cross(line.direction).try_normalize() else { continue };
+            let out = if out.dot(0.5 * (a + b) - line.at(met.depth)) < 0.0 { -out } else { out };
+            let depth = line.direction.dot(line.at(met.depth) - pivot);
+            let bound = out.dot(a - line.start);
+            let (x, y) = (out.dot(right), out.dot(up));
+            rows.push(Row { normal: [x, y, depth * x, depth * y, 1.0], bound });
         }
+        let slack = -met.normal.dot(line.direction) - flattest;
+        let normal = [0.0, 0.0, met.normal.dot(right), met.normal.dot(up), 0.0];
+        rows.push(Row { normal, bound: slack });
     }
     Some(rows)
 }
@@ -133,9 +132,13 @@ mod tests {
             let Some(polished) = polished(&scene, &members, &line) else { continue };
             num_polished += 1;
             assert!(scene.allows(polished.direction));
-            assert_eq!(features(&scene, &members, &polished), features(&scene, &members, &line));
-            let room = |line: &Line<DVec3>| room(&rows(&scene, &members, line).expect("it meets faces"));
-            assert!(room(&polished) > room(&line));
+            let [before, after] = [line, polished].map(|line| {
+                let met = met(&scene, &members, &line);
+                let room = room(&rows(&scene, &members, &line, &met).expect("it meets faces"));
+                (features(&met), room)
+            });
+            assert_eq!(before.0, after.0);
+            assert!(after.1 > before.1);
         }
         assert!(num_polished > 10, "{num_polished}");
     }
