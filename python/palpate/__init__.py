@@ -34,9 +34,11 @@ from ._core import ThesisPose as ThesisPose
 from ._core import Touch as Touch
 from ._core import __version__ as __version__
 from ._core import judge as judge
+from ._core import linearization_error as linearization_error
 from ._core import plan as plan
 from ._core import plan_report as plan_report
 from ._core import plan_tree as plan_tree
+from ._core import predicted_hit_rate as predicted_hit_rate
 from ._core import projection_space as projection_space
 from ._core import recognize as recognize
 from ._core import refuting_moves as refuting_moves

@@ -1093,6 +1093,38 @@ def refuting_moves(
         ValueError: No hypotheses, another shape, a zero direction, a number out of range.
     """
 
+def linearization_error(corners: ArrayLike, slopes: ArrayLike) -> tuple[float, float]:
+    """By how much a face is wrong that planner `linearized` flattens to the middle of its heights.
+
+    A line is `(x, y) + z (α, β)` in the chart of a generator, whose Z is the generator's outward normal. Thesis 5.3 as MATH
+    rows 85 and 92 correct it; `docs/theory.md` has the proof.
+
+    Args:
+        corners: Shape `(k, 3)`, of a flat polygon, in order, in the chart.
+        slopes: α and β, shape `(2,)`.
+
+    Returns:
+        The shift, a length: no place of the border is seen further than that from where it is. And an upper bound of the area that
+        one of both polygons covers, as they are seen, and the other does not.
+
+    Raises:
+        ValueError: Another shape, fewer than three corners, a number that is not finite.
+    """
+
+def predicted_hit_rate(corners: ArrayLike, slopes: ArrayLike) -> float:
+    """The share of lines of these slopes through the rectangle around a face, all equally likely, that hit the face.
+
+    What planner `decoupled` predicts of itself: to either of its two problems a face is as long as its rectangle (thesis
+    5.4.4, MATH 2.5).
+
+    Args:
+        corners: Shape `(k, 3)`, of a convex piece of the face, in order, in the chart of a generator.
+        slopes: α and β, shape `(2,)`.
+
+    Raises:
+        ValueError: Another shape, fewer than three corners, a number that is not finite.
+    """
+
 @final
 class PlanReport:
     """A planner's answer, and what it knows of the paths that it did not find."""

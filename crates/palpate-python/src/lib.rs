@@ -19,6 +19,7 @@ mod model;
 mod options;
 mod path;
 mod plan;
+mod predictions;
 mod projection;
 mod recognize;
 mod sensor;
@@ -50,6 +51,8 @@ mod _core {
     use crate::plan::{
         PyPlanReport, judge, plan, plan_report, refuting_moves, verification_path, verification_report,
     };
+    #[pymodule_export]
+    use crate::predictions::{linearization_error, predicted_hit_rate};
     #[pymodule_export]
     use crate::projection::{PyOverlap, PyProjectionSpace, PySheaf, projection_space};
     #[pymodule_export]

@@ -21,7 +21,7 @@ import numpy as np
 
 from palpate.planner_names import PLANNERS_OF
 
-from . import campaign, checked, pages
+from . import campaign, checked, pages, predictions
 from .campaign import Row
 from .campaign_space import digest, parts_in
 from .experiment import Experiment
@@ -34,6 +34,10 @@ PLANNERS = PLANNERS_OF[3]
 RIVALS = PLANNERS[1:]
 #: Seconds that each planner has for a problem.
 MOST_SECONDS = 10.0
+#: What a robot cell may wait for a path, seconds.
+SOON = 1.0
+#: Problems of so many hypotheses count as large.
+LARGE = 12
 #: The least time that a comparison gives, seconds.
 LEAST_SECONDS = 0.02
 NUM_RANDOM = 100_000
@@ -54,10 +58,12 @@ def task(number: int, *, parts: str | None, digest: int, lines: int) -> Row:
     hypotheses, sensor = problem.hypotheses, problem.sensor
     found: Row = {}
     seconds: Row = {}
+    paths: dict[str, Any] = {}
     for name in PLANNERS:
         began = time.perf_counter()
         report = palpate.plan_report(hypotheses, sensor, planner=name, time_limit=MOST_SECONDS)
         seconds[name] = round(time.perf_counter() - began, 4)
+        paths[name] = report.path
         found[name] = {**_entry(report.path), "why": report.why, **_kept(problem, report.path)}
     prepared = palpate.Lines(hypotheses, sensor)
     random = np.random.default_rng([number, 7])
@@ -70,8 +76,29 @@ def task(number: int, *, parts: str | None, digest: int, lines: int) -> Row:
         "planners": found,
         "random": random_best(prepared, *drawn),
         "informed": informed(problem, prepared, tuple(each[:NUM_INFORMED] for each in drawn)),
-        "seconds": {**seconds, "within": _within(problem, found, seconds)},
+        "predictions": _predictions(problem, paths),
+        "seconds": {**seconds, "within": _within(problem, found, seconds), "soon": _soon(problem)},
     }
+
+
+def _predictions(problem: Problem, paths: dict[str, Any]) -> Row:
+    """What two planners predict of themselves, and what is so."""
+    linearized, decoupled = paths["linearized"], paths["decoupled"]
+    random = np.random.default_rng([problem.number, 8])
+    return {
+        "linearized": predictions.of_linearized(problem.hypotheses, linearized) if linearized else [],
+        "decoupled": predictions.of_decoupled(problem.hypotheses, decoupled, random) if decoupled else None,
+    }
+
+
+def _soon(problem: Problem) -> Row:
+    """What `auto` finds in a second, and how long that takes."""
+    import palpate
+
+    began = time.perf_counter()
+    path = palpate.plan(problem.hypotheses, problem.sensor, time_limit=SOON)
+    taken = round(time.perf_counter() - began, 4)
+    return {"score": None if path is None else path.score, "seconds": taken}
 
 
 def _entry(path: Any) -> Row:
@@ -189,8 +216,50 @@ def markdown(rows: list[Row]) -> str:
         f" Within another's time `auto` took {np.median(over):.2f} times of it in the median." if over else ""
     )
     return "\n\n".join(
-        [_found(rows), _beside(rows), _by_family(rows), f"Measured on: {pages.machine()}.{said}"]
+        [
+            _found(rows),
+            _beside(rows),
+            _in_a_second(rows),
+            _by_family(rows),
+            predictions.markdown(rows),
+            f"Measured on: {pages.machine()}.{said}",
+        ]
     )
+
+
+def _in_a_second(rows: list[Row]) -> str:
+    """What `auto` finds in a second beside what it finds at length."""
+    lines = []
+    for said, some in (
+        ("all problems", rows),
+        (f"{LARGE} hypotheses or more", [row for row in rows if row["hypotheses"] >= LARGE]),
+        ("parts of 100 faces or more", [row for row in rows if row["faces"] >= 100]),
+    ):
+        if not some:
+            continue
+        soon = [row["seconds"]["soon"] for row in some]
+        pairs = [
+            (row["hypotheses"] if one["score"] is None else one["score"], _score(row, "auto"))
+            for row, one in zip(some, soon, strict=True)
+        ]
+        as_good = sum(mine <= other + ROUNDING for mine, other in pairs)
+        more = np.mean(
+            [(mine - other) / row["hypotheses"] for (mine, other), row in zip(pairs, some, strict=True)]
+        )
+        times = [one["seconds"] for one in soon]
+        lines.append(
+            [said, str(len(some)), pages.share(as_good / len(some)), pages.share(float(more))]
+            + [pages.duration(float(each)) for each in (np.median(times), np.max(times))]
+        )
+    head = [
+        "`auto` with a limit of 1 s",
+        "problems",
+        "as good as with 10 s",
+        "leaves more by",
+        "time, median",
+        "longest",
+    ]
+    return pages.table(head, lines)
 
 
 def _found(rows: list[Row]) -> str:
