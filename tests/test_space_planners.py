@@ -1,12 +1,13 @@
 """The experiment of planners in space, on its first problems."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
 import palpate
-from palpate.experiments import space_planners
+from palpate.experiments import predictions, space_planners
 from palpate.experiments.planning_problems import FAMILIES, planning_problem
 from palpate.experiments.space_planners import PLANNERS, markdown, random_best, random_lines, task
 
@@ -84,3 +85,48 @@ def test_tables_name_every_planner(rows):
     # No path counts as leaving all.
     rows[0]["planners"]["grimson"] = {"score": None, "readings": 0, "held": 0}
     assert "| `grimson` | 50 % |" in markdown(rows)
+
+
+def test_a_flattened_square_is_off_by_what_its_tilt_makes_of_the_slope():
+    # A square of side 2 whose height is its x: at a slope of 0.1 its sides at x = ±1 are seen 0.1 further in.
+    corners = np.array([[-1, -1, -1], [1, -1, 1], [1, 1, 1], [-1, 1, -1]], dtype=float)
+    assert palpate.linearization_error(corners, (0.1, 0.0)) == pytest.approx((0.1, 0.4))
+    assert palpate.linearization_error(corners, (0.0, 0.0)) == (0.0, 0.0)
+    seen = predictions.seen(corners, np.array([0.1, 0.0]))
+    assert predictions._apart(seen, corners[:, :2]) == pytest.approx((3.6, 0.4))
+
+
+def test_predicted_hit_rates_are_those_of_simple_faces():
+    square = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], dtype=float)
+    assert palpate.predicted_hit_rate(square, (0.3, -0.2)) == pytest.approx(1.0)
+    assert palpate.predicted_hit_rate(square[:3], (0.0, 0.0)) == pytest.approx(0.5)
+    turned = square @ np.array([[1, -1, 0], [1, 1, 0], [0, 0, 1]]) / math.sqrt(2)
+    assert palpate.predicted_hit_rate(turned, (0.0, 0.0)) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("ask", [palpate.linearization_error, palpate.predicted_hit_rate])
+@pytest.mark.parametrize(
+    ("corners", "slopes", "said"),
+    [
+        ([[0, 0, 0], [1, 0, 0]], (0, 0), "corners: must be three or more"),
+        ([[0, 0], [1, 0], [1, 1]], (0, 0), "corners: must have shape"),
+        (np.zeros((3, 3)), (0, math.nan), "slopes: must be finite"),
+        (np.zeros((3, 3)), (0, 0, 1), "slopes: must have shape"),
+    ],
+)
+def test_predictions_refuse_what_is_no_polygon(ask, corners, slopes, said):
+    with pytest.raises(ValueError, match="^" + re.escape(said)) as refused:
+        ask(corners, slopes)
+    assert "\n" not in str(refused.value)
+
+
+def test_no_measured_error_is_above_its_bound_and_hit_rates_are_as_predicted(rows):
+    faces = [face for row in rows for face in row["predictions"]["linearized"]]
+    assert faces
+    assert all(face["measured"] <= face["predicted"] + 1e-9 for face in faces)
+    rates = [face for row in rows for face in row["predictions"]["decoupled"]["faces"]]
+    assert rates
+    for face in rates:
+        # Fewer where another face is before it; no more than by chance.
+        spread = math.sqrt(face["predicted"] * (1.0 - face["predicted"]) / predictions.NUM_LINES)
+        assert face["measured"] <= face["predicted"] + 5.0 * spread + 1e-9
