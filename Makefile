@@ -116,8 +116,8 @@ campaign-loop: .venv/.built .venv/.cluster ## 10,000 closed loops: is a truth lo
 experiment-planners: parts .venv/.cluster ## all planners of space on 210 problems, beside random lines; writes docs/planners-space.md; resumes
 	$(BIN)/python -m palpate.experiments.space_planners --parts $(PARTS) --page docs/planners-space.md $(ARGS)
 
-campaign-loop-space: .venv/.built .venv/.cluster ## 1,000 closed loops over solids, on real parts too if `make parts` was run; resumes
-	$(BIN)/python -m palpate.experiments.campaign_loop_space --parts $(PARTS) $(ARGS)
+campaign-loop-space: .venv/.built .venv/.cluster ## 1,000 closed loops over solids, in docs/closed-loop.md; on real parts too if `make parts` was run; resumes
+	$(BIN)/python -m palpate.experiments.campaign_loop_space --parts $(PARTS) --page docs/closed-loop.md $(ARGS)
 
 tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs/closed-loop.md (some minutes)
 	$(BIN)/python -m palpate.experiments.tune_page docs/closed-loop.md $(ARGS)

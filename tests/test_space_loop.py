@@ -326,6 +326,7 @@ def test_undecided_hypotheses_are_judged():
         ({"stop": ("unique", True)}, r"^stop: must say when a path is good enough"),
         ({"margin": 5}, r"^margin: must be a share of the part's size"),
         ({"prior": palpate.Prior(np.eye(3), translation=1.0, rotation=1.0)}, r"^prior: "),
+        ({"told": 3}, r"^told: must be a function of a Step, or None \(got 3\)"),
     ],
 )
 def test_bad_input_is_named(changes, said):
@@ -333,6 +334,30 @@ def test_bad_input_is_named(changes, said):
     given = {"models": SOLIDS, "workspace": BOX, **changes}
     with pytest.raises(ValueError, match=said):
         palpate.identify(given.pop("models"), probe.probe, sensor, given.pop("workspace"), **given)
+
+
+@pytest.mark.parametrize(
+    "reply",
+    [
+        palpate.Hit(palpate.Contact((0, 0), (0, 1), position_error=0.5, normal_error=0.1)),
+        palpate.Miss((0, 0), (1, 1)),
+        palpate.Skid(palpate.Miss((0, 0), (1, 1))),
+        palpate.UnexpectedTouch(np.zeros(2)),
+    ],
+)
+def test_a_reply_of_the_plane_is_refused_in_space(reply):
+    class Flat:
+        position = None
+
+        def touch(self, start, end):
+            return reply
+
+        def move(self, points):
+            return None
+
+    with pytest.raises(ValueError, match=r"^probe: answered with a point of shape \(2,\)") as refused:
+        palpate.identify(SOLIDS, Flat(), usual_sensor(), BOX)
+    assert "\n" not in str(refused.value)
 
 
 def test_a_tip_inside_of_the_box_is_refused():

@@ -162,7 +162,8 @@ def plan(
         stem=stem,
     )
     kinds = None if features is None else tuple(features.split(","))
-    limit = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
+    limit: dict[str, Any] = {} if max_hypotheses is None else {"max_hypotheses": max_hypotheses}
+    limit["time_limit"] = time_limit
     found = _recognized(parts, evidence, file=contacts, features=kinds, limit=limit)
     asked = _Asked(parts, evidence, found, sensor, unit)
     search: dict[str, Any] = {
@@ -205,7 +206,7 @@ def _recognized(
     *,
     file: Path,
     features: tuple[str, ...] | None,
-    limit: dict[str, int],
+    limit: dict[str, Any],
 ) -> Recognition:
     def work() -> Recognition:
         return recognize_parts(

@@ -15,7 +15,6 @@ import argparse
 import math
 import random as chance
 import sys
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,13 +22,22 @@ from typing import Any
 import numpy as np
 
 from palpate import Model, Sensor, load_models, solid_part_names
-from palpate.experiments import campaign, closed_loop, loop_tables, public_parts, random_solids, solid_shapes
+from palpate.experiments import (
+    campaign,
+    closed_loop,
+    loop_tables,
+    pages,
+    public_parts,
+    random_solids,
+    solid_shapes,
+)
 from palpate.experiments.campaign import Row
 from palpate.experiments.experiment import SEEDS
 from palpate.usual import MAX_INCIDENCE_DEG, NORMAL_ERROR_DEG, POSITION_ERROR
 
 LIBRARY = 4  # models that it may be
 RIVALS = ["nominal", "chance"]
+BESIDE = 100  # problems on which the rivals are asked too, unless another number is given
 
 
 @cache
@@ -65,10 +73,8 @@ def library_of(number: int, parts: str | None) -> list[Model]:
     return made
 
 
-def task(
-    number: int, *, parts: str | None = None, tip_radius: float = 0.0, beside: Sequence[str] = ()
-) -> Row:
-    """One loop, and the rivals named by `beside` on the same problem."""
+def task(number: int, *, parts: str | None = None, tip_radius: float = 0.0, num_beside: int = 0) -> Row:
+    """One loop, and the rivals on the same problem if its number is one of the first."""
     models = library_of(number, parts)
     sensor = Sensor(
         POSITION_ERROR,
@@ -77,6 +83,7 @@ def task(
         tip_radius,
     )
     problem = closed_loop.problem_of(number, models, models[0], sensor=sensor)
+    beside = RIVALS if number % SEEDS < num_beside else []
     row = closed_loop.row_of(problem, number, beside=beside)
     kind = ("bundled", "random_solids", "solid_shapes", "parts")[number % (3 if parts is None else 4)]
     return {**row, "solid": row["part"], "part": kind}
@@ -84,11 +91,12 @@ def task(
 
 def sections(rows: list[Row]) -> list[str]:
     """Tables of the rows."""
+    beside = [row for row in rows if all(name in row for name in RIVALS)]
     return [
         loop_tables.ends(loop_tables.by_noise(rows)),
         loop_tables.distribution(rows),
         loop_tables.by_part(rows),
-        *([loop_tables.beside({"": rows})] if any("chance" in row for row in rows) else []),
+        *([loop_tables.beside({"after the first contacts": beside})] if beside else []),
     ]
 
 
@@ -107,19 +115,26 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0, help="which problems (0)")
     parser.add_argument("--parts", type=Path, help="folder of public parts; left out if it is not there")
     parser.add_argument("--tip-radius", type=float, default=0.0, help="of a ball (0: a point)")
-    parser.add_argument("--alone", action="store_true", help="not beside other ways to choose the touch")
+    parser.add_argument(
+        "--beside", type=int, default=BESIDE, help=f"so many beside other ways to choose the touch ({BESIDE})"
+    )
     parser.add_argument("--cluster", help=campaign.CLUSTER_HELP)
     parser.add_argument(
         "--out", type=Path, default=Path("out/campaign-loop-space.jsonl"), help="file of the rows"
     )
+    parser.add_argument("--page", type=Path, help="write the tables of this page anew")
     options = parser.parse_args(arguments)
-    if options.problems < 1 or options.seed < 0 or not 0.0 <= options.tip_radius < math.inf:
-        parser.error("--problems must be 1 or more, --seed and --tip-radius 0 or more")
+    if (
+        options.problems < 1
+        or min(options.seed, options.beside) < 0
+        or not 0.0 <= options.tip_radius < math.inf
+    ):
+        parser.error("--problems must be 1 or more, --seed, --beside and --tip-radius 0 or more")
     parts = None if options.parts is None or not options.parts.is_dir() else str(options.parts)
     settings: dict[str, Any] = {
         "parts": parts,
         "tip_radius": options.tip_radius,
-        "beside": [] if options.alone else RIVALS,
+        "num_beside": options.beside,
     }
     first = options.seed * SEEDS
     try:
@@ -131,7 +146,10 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         sys.stderr.write("stopped; the same command goes on from here\n")
         return 130
-    sys.stdout.write("\n\n".join(sections(rows)) + "\n")
+    made = "\n\n".join(sections(rows))
+    if options.page:
+        pages.rewrite(options.page, "solids", made)
+    sys.stdout.write(made + "\n")
     wrong = faults(rows)
     for line in wrong:
         sys.stdout.write(line + "\n")

@@ -85,8 +85,26 @@ def settings_in(event: Event) -> Settings:
     )
 
 
+def check_dimension(reply: Reply | None, dimension: int) -> None:
+    """That a reply is of the workspace's dimension.
+
+    Raises:
+        ValueError: It is of another.
+    """
+    for point in _points_of(reply):
+        if np.shape(point) != (dimension,):
+            raise ValueError(
+                f"probe: answered with a point of shape {np.shape(point)}, the workspace is of dimension "
+                f"{dimension} (got {reply!r}); give points of shape ({dimension},)"
+            )
+
+
 def reply_event(reply: Reply | None) -> Event:
-    """What the probe answered; None: a free move that went well."""
+    """What the probe answered; None: a free move that went well.
+
+    Raises:
+        ValueError: It is no reply.
+    """
     match reply:
         case None:
             return {"event": "reply", "kind": "moved"}
@@ -110,6 +128,20 @@ def reply_event(reply: Reply | None) -> Event:
         f"probe: answered {reply!r}; answer Hit of a Contact, Miss, Skid of a Miss, AlreadyTouching, "
         "UnexpectedTouch or Fault"
     )
+
+
+def _points_of(reply: Any) -> list[Any]:
+    """One point of each part of a reply."""
+    match reply:
+        case Hit() if isinstance(reply.contact, Contact):
+            return [reply.contact.center]
+        case Miss():
+            return [reply.start]
+        case Skid() if isinstance(reply.free, Miss):
+            return [reply.free.start]
+        case UnexpectedTouch():
+            return [reply.where]
+    return []
 
 
 def reply_in(event: Event) -> Reply | None:

@@ -13,7 +13,7 @@ from palpate._core import Contact, Miss, Model, Prior, Sensor
 from palpate.loop.entries import Event, start_event
 from palpate.loop.journal import Journal, open_log
 from palpate.loop.result import Array, Result, Step
-from palpate.loop.run import Run
+from palpate.loop.run import Run, check_told
 from palpate.loop.settings import MAX_HYPOTHESES, MAX_TOUCHES, Settings, settings_of
 from palpate.planner_names import Planner
 from palpate.probe import Probe
@@ -103,6 +103,7 @@ def identify(  # noqa: PLR0917 - the four that every call has
     """
     if not isinstance(probe, Probe):
         raise ValueError(f"probe: must have touch, move and position (got {probe!r}); see palpate.Probe")
+    check_told(told)
     settings = settings_of(
         models,
         sensor,

@@ -8,7 +8,7 @@ from pathlib import Path
 from palpate.loop.journal import Journal
 from palpate.loop.reading import read_log, settings_of_log
 from palpate.loop.result import Result, Step
-from palpate.loop.run import Run
+from palpate.loop.run import Run, check_told
 from palpate.probe.simulated import point_of
 
 
@@ -22,6 +22,7 @@ def replay(log: str | Path, *, told: Callable[[Step], None] | None = None) -> Re
     Raises:
         ValueError: No file, no log, one of another version, or one that was changed; the line is named.
     """
+    check_told(told)
     events = read_log(Path(log))
     settings = settings_of_log(Path(log), events)
     position = events[0]["position"]

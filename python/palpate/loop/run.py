@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -40,6 +41,16 @@ class _Ended(Exception):
         self.status: Status = status
         self.reason = reason
         self.proved = proved
+
+
+def check_told(told: Any) -> None:
+    """That it can be called.
+
+    Raises:
+        ValueError: It can't.
+    """
+    if told is not None and not callable(told):
+        raise ValueError(f"told: must be a function of a Step, or None (got {told!r}); leave it out")
 
 
 class Run:

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from palpate._core import Miss
-from palpate.loop.entries import Event, reply_event, reply_in
+from palpate.loop.entries import Event, check_dimension, reply_event, reply_in
 from palpate.loop.journal import Journal
 from palpate.loop.possible import impossible
 from palpate.loop.result import Purpose, stop_of
@@ -102,9 +102,11 @@ class Tour:
 
         def asked() -> Event:
             try:
-                return reply_event(question())
+                reply = question()
             except _Raised as raised:
-                return reply_event(Fault(str(raised)))
+                reply = Fault(str(raised))
+            check_dimension(reply, self._workspace.shape[1])
+            return reply_event(reply)
 
         return reply_in(self._journal.answer(asked))
 
