@@ -1,5 +1,7 @@
 //! The next path.
 
+use std::sync::atomic::Ordering::Relaxed;
+
 use glam::{DVec2, DVec3};
 use palpate::{Hypothesis, Line, Move, Plan, Sensor, Verification, Why};
 use pyo3::prelude::*;
@@ -9,7 +11,7 @@ use crate::contact::PyContact;
 use crate::convert::{members, number, raise, refuse, vector};
 use crate::dimension::{AnyHypotheses, AnyHypothesis, AnyPlan, In, Vector};
 use crate::hypothesis::PyHypothesis;
-use crate::interrupt::interruptible;
+use crate::interrupt::{interruptible, interruptible_until};
 use crate::options::{JUDGED, Options, PLACED, REMEMBERED, SEARCHED, line};
 use crate::path::PyPath;
 use crate::recognize::{all, sorted};
@@ -122,13 +124,9 @@ fn planned_among<V: Vector>(
 ) -> PyResult<PyPlanReport> {
     let options = Options::read(function, options, &[JUDGED, PLACED, SEARCHED, REMEMBERED])?;
     let (settings, deadline) = (&options.settings, options.deadline());
-    let (plan, late) = interruptible(py, |halt| {
-        let late = std::cell::Cell::new(false);
-        let plan = palpate::plan_until(hypotheses, &sensor, settings, &|| {
-            late.set(late.get() || deadline.late(halt));
-            late.get()
-        });
-        (plan, late.get())
+    let (plan, late) = interruptible_until(py, deadline, |halt| {
+        let plan = palpate::plan_until(hypotheses, &sensor, settings, halt);
+        (plan, halt.load(Relaxed))
     })?;
     let plan = plan.map_err(raise)?;
     let why = plan.why(hypotheses, settings, late);

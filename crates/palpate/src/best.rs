@@ -85,7 +85,8 @@ impl<'a, V: Dimension> Best<'a, V> {
             return false;
         }
         let path = judged(self.scene, self.members, line, None);
-        if path.fault.is_some() {
+        // What was not judged to the end is no path.
+        if path.fault.is_some() || self.scene.is_halted() {
             return false;
         }
         let order = |known: &Path<V>| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));

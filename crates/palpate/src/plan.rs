@@ -10,7 +10,7 @@ use crate::dimension::Dimension;
 use crate::hypothesis::Hypothesis;
 use crate::line::Line;
 use crate::path::{Path, judged};
-use crate::recognize::{check_reach, check_tip};
+use crate::recognize::{Halt, check_reach, check_tip};
 use crate::scene::Scene;
 use crate::sensor::Sensor;
 
@@ -104,10 +104,10 @@ pub fn plan<V: Dimension>(
     sensor: &Sensor,
     settings: &PlanSettings<V>,
 ) -> Result<Plan<V>, Error> {
-    plan_until(hypotheses, sensor, settings, &|| false)
+    plan_until(hypotheses, sensor, settings, &Halt::default())
 }
 
-/// The best path found before `late` says that time is up.
+/// The best path found before `halt` is set.
 ///
 /// # Errors
 /// As [`plan`].
@@ -115,11 +115,11 @@ pub fn plan_until<V: Dimension>(
     hypotheses: &[Hypothesis<V>],
     sensor: &Sensor,
     settings: &PlanSettings<V>,
-    late: &dyn Fn() -> bool,
+    halt: &Halt,
 ) -> Result<Plan<V>, Error> {
     check(hypotheses, sensor, settings)?;
-    let scene = Scene::new(hypotheses, sensor, settings);
-    Ok(plan_among(&scene, &scene.everyone(), settings, late))
+    let scene = Scene::new(hypotheses, sensor, settings).until(halt);
+    Ok(plan_among(&scene, &scene.everyone(), settings, &|| scene.is_halted()))
 }
 
 /// What a line of your own would tell, and whether it can be used. `length`: as long as needed, if not given.

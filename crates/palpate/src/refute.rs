@@ -1,5 +1,7 @@
 //! What guarded moves refute: hypotheses that can't have been met as they were (`docs/theory.md`, T15).
 
+use std::sync::atomic::AtomicBool;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -54,7 +56,8 @@ pub fn refuting_moves<V: Dimension>(
 fn answers<V: Dimension>(shadow: &V::Shadow, one: &Move<V>) -> bool {
     let Move { line, length, sensor, met } = one;
     let rules = Rules { faces: true, edges: true, vertices: true, avoid_assigned: false };
-    let ask = Question { line, sensor, rules, margin: 0.0, angle_margin: 0.0, length: *length };
+    let halt = &AtomicBool::new(false);
+    let ask = Question { line, sensor, rules, margin: 0.0, angle_margin: 0.0, length: *length, halt };
     let outcome = shadow.outcome(&ask);
     let reading = met.map(|(center, normal)| Reading::new(line, center, normal));
     outcome.may_answer(reading, sensor)

@@ -1,6 +1,8 @@
 //! The hypotheses among which a path is to tell, made ready for lines.
 
 use std::fmt::Debug;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -11,6 +13,7 @@ use crate::hypothesis::Hypothesis;
 use crate::judge::{Fault, Outcome, Reading, Rules, Verdict};
 use crate::line::{FirstContact, Line};
 use crate::plan::PlanSettings;
+use crate::recognize::Halt;
 use crate::sensor::Sensor;
 
 /// Poses of each hypothesis from which planners look, the one with the largest slack first.
@@ -70,6 +73,8 @@ pub struct Question<'a, V = DVec2> {
     pub angle_margin: f64,
     /// How far the tip goes.
     pub length: f64,
+    /// Once it is set nobody waits for the answer: it may be cut short, and is then that the line can't be used.
+    pub halt: &'a AtomicBool,
 }
 
 /// What a planner has proved.
@@ -114,6 +119,8 @@ pub struct Scene<V: Dimension = DVec2> {
     workspace: Option<[V; 2]>,
     pub(crate) directions: Option<(V, f64)>,
     tried: Vec<Line<V>>,
+    /// Once it is set, lines that are being judged count as unusable.
+    halt: Halt,
 }
 
 impl<V: Dimension> Scene<V> {
@@ -156,7 +163,19 @@ impl<V: Dimension> Scene<V> {
             workspace: settings.workspace,
             directions: settings.directions,
             tried: settings.tried.clone(),
+            halt: Halt::default(),
         }
+    }
+
+    /// Until this is set.
+    pub fn until(mut self, halt: &Halt) -> Self {
+        self.halt = Halt::clone(halt);
+        self
+    }
+
+    /// Whether nobody waits for more.
+    pub fn is_halted(&self) -> bool {
+        self.halt.load(Relaxed)
     }
 
     /// Every hypothesis.
@@ -237,7 +256,7 @@ impl<V: Dimension> Scene<V> {
 
     fn question<'a>(&'a self, line: &'a Line<V>, margin: f64, length: f64) -> Question<'a, V> {
         let (sensor, rules, angle_margin) = (&self.sensor, self.rules, margin / self.size);
-        Question { line, sensor, rules, margin, angle_margin, length }
+        Question { line, sensor, rules, margin, angle_margin, length, halt: &self.halt }
     }
 
     /// Whether a first contact with a member on a feature breaks a rule.

@@ -52,7 +52,7 @@ struct Asked<'a> {
 
 impl<'a> Asked<'a> {
     fn new(ask: &Question<'a>, model: &Model) -> Self {
-        let Question { line, sensor, rules, margin, angle_margin, length } = *ask;
+        let Question { line, sensor, rules, margin, angle_margin, length, .. } = *ask;
         let allowance = Allowance::new(sensor, model, margin, angle_margin);
         Self { line, back: (-line.direction).to_angle(), sensor, allowance, rules, length }
     }

@@ -4,6 +4,7 @@
 //! where the middle of the cell has it, give or take what the cell's linear conditions leave.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DVec2, DVec3, dvec2};
 use rayon::prelude::*;
@@ -95,7 +96,7 @@ impl Shadow {
         ask: &Question<'_, DVec3>,
         enough: impl Fn(&Outcome<DVec3>) -> bool,
     ) -> Outcome<DVec3> {
-        let &Question { line, sensor, rules, margin, angle_margin, length } = ask;
+        let &Question { line, sensor, rules, margin, angle_margin, length, halt } = ask;
         let (miss, turn) = self.asymmetry;
         let depth = self.model.position_slack + miss + margin;
         let aside = sensor.path_error + depth;
@@ -110,6 +111,11 @@ impl Shadow {
         for some in self.cells.chunks(AT_ONCE) {
             for found in some.par_iter().map(in_cell).collect::<Vec<_>>().into_iter().flatten() {
                 self.include(&found, &ask, &mut outcome);
+            }
+            if halt.load(Relaxed) {
+                // Cut short: it may not be used.
+                add_fault(&mut outcome, Some(Fault::Start));
+                break;
             }
             if enough(&outcome) {
                 break;

@@ -1,5 +1,7 @@
 //! What a line is said to meet, against what it meets at sampled poses.
 
+use std::sync::atomic::AtomicBool;
+
 use glam::{DMat3, DVec3, dvec2};
 
 use super::Model;
@@ -175,7 +177,9 @@ fn check(seed: u64, problems: usize, radius_share: f64, with_stem: bool, loose: 
                 let at = samples[random.below(samples.len() as u32) as usize];
                 let line = line(&mut random, &model, at, &shadow);
                 let (line, sensor) = (&line, &sensor);
-                let ask = Question { line, sensor, rules, margin, angle_margin: turn, length: f64::INFINITY };
+                let (angle_margin, length) = (turn, f64::INFINITY);
+                let halt = &AtomicBool::new(false);
+                let ask = Question { line, sensor, rules, margin, angle_margin, length, halt };
                 let outcome = shadow.outcome(&ask, |_| false);
                 seen.single += usize::from(outcome.touches.len() == 1 && !outcome.may_miss);
                 seen.faults += usize::from(outcome.fault.is_some());

@@ -78,11 +78,13 @@ fn auto(best: &mut Best<'_, DVec3>, settings: &PlanSettings<DVec3>, late: &dyn F
 #[cfg(test)]
 pub(in crate::space) mod tests {
     use std::sync::Arc;
+    use std::sync::atomic::Ordering::Relaxed;
 
     use glam::dvec3;
 
     use super::*;
     use crate::dimension::{Dimension, Poses};
+    use crate::recognize::Halt;
     use crate::scene::Scene;
     use crate::space::Pose;
     use crate::space::shapes::{cuboid, mesh};
@@ -147,5 +149,26 @@ pub(in crate::space) mod tests {
             assert_eq!(full, plan(1_000), "{name}");
             assert!(plan(3).num_judged <= 3, "{name}");
         }
+    }
+
+    /// Once nobody waits, a line that is being judged is none; the same settings without that give the same answer as ever.
+    #[test]
+    fn what_is_halted_is_no_path() {
+        let hypotheses = blocks();
+        let settings = PlanSettings::default();
+        let halt = Halt::default();
+        let scene = Scene::new(&hypotheses, &sensor(), &settings).until(&halt);
+        let members = scene.everyone();
+        let mut best = Best::new(&scene, &members);
+        propose(&mut best, &settings, &|| false);
+        let path = best.path.expect("there is one");
+        assert!(scene.outcomes(&path.line, &members, 0.0).is_some());
+
+        halt.store(true, Relaxed);
+        assert!(scene.outcomes(&path.line, &members, 0.0).is_none());
+        let mut best = Best::new(&scene, &members);
+        assert!(!best.offer(&path.line) && best.path.is_none());
+        propose(&mut best, &settings, &|| scene.is_halted());
+        assert!(best.path.is_none());
     }
 }
