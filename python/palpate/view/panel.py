@@ -149,7 +149,7 @@ class Panel:
 
     def _save(self, client: Any) -> None:
         if client is not None:
-            client.send_file_download(FILE, self._viewer.page().encode())
+            client.send_file_download(FILE, self._viewer.page().encode(), save_immediately=True)
 
 
 def numbers_of(text: str, count: int, name: str) -> list[float]:

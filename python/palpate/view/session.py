@@ -5,6 +5,7 @@ Whether a pose is valid, what a path tells, what a touch meets: all of that is a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -27,7 +28,7 @@ from palpate.view.pick import nearest_face_point
 from palpate.view.state import Left, Move, Placement, State, Truth
 
 EFFORT = 100_000  # as in the loop: a look that takes seconds
-GAP = 0.25  # between parts that are laid out, in sizes of the largest
+APART = 1.1  # middles of parts that are laid out, in sizes of the largest
 
 
 class Session:
@@ -369,15 +370,17 @@ class Session:
         return Truth(chosen.model, chosen.poses.sample(1, seed=self._seed)[0], number)
 
     def _laid_out(self) -> list[Placement]:
+        """In rows, each model in a square of its own; one alone is where its file has it."""
+        if len(self.models) == 1:
+            return [Placement(self.models[0], 0, np.eye(self.dimension + 1), None)]
+        columns = math.ceil(math.sqrt(1.3 * len(self.models)))
         placed: list[Placement] = []
-        x = 0.0
         for number, model in enumerate(self.models):
             low, high = model.vertices.min(axis=0), model.vertices.max(axis=0)
             pose = np.eye(self.dimension + 1)
-            if len(self.models) > 1:
-                pose[:-1, -1] = -low
-                pose[0, -1] += x
-            x += float(high[0] - low[0]) + GAP * self.size
+            pose[:-1, -1] = -(low + high) / 2
+            row, column = divmod(number, columns)
+            pose[:2, -1] += np.array([column, -row]) * APART * self.size
             placed.append(Placement(model, number, pose, None))
         return placed
 
