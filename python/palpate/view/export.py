@@ -89,7 +89,7 @@ def page_of(session: Session, look: Look | None = None) -> str:
 def _moment(session: Session, number: int, look: Look) -> str:
     state = session.states[number]
     parts = [
-        (state.said.capitalize(), words.answer(session, state)),
+        (state.said.capitalize(), words.answer(session, state, look)),
         ("What is drawn", words.range_words(session, state, look)),
         ("Why this path", words.reasons(session, state) if state.path is not None or state.why else ""),
         ("Ambiguity tree", words.tree_words(session, state) if state.tree is not None else ""),

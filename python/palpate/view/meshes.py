@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from ezdxf.math.triangulation import mapbox_earcut_2d
@@ -28,6 +28,7 @@ class Mesh:
     """Shape `(m, 3)`."""
 
 
+@lru_cache(maxsize=256)
 def mesh_of(model: Model, thickness: float) -> Mesh:
     """A solid as it is; a part of the plane as a prism, from z = 0 upward. Loose edges have walls alone."""
     if model.dimension == 3:
@@ -44,6 +45,7 @@ def mesh_of(model: Model, thickness: float) -> Mesh:
     return Mesh(np.concatenate(corners), np.concatenate(triangles))
 
 
+@lru_cache(maxsize=256)
 def edges_of(model: Model, thickness: float) -> Array:
     """What is drawn as lines, shape `(n, 2, 3)`, model frame: an outline at the top, edges that are seen."""
     if model.dimension == 3:

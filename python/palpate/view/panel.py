@@ -49,6 +49,23 @@ class Panel:
         """Whether a click on a part adds a contact."""
         return bool(self._clicks.value)
 
+    @property
+    def look(self) -> Look:
+        """What is to be seen."""
+        chosen = None if self._chosen.value == ALL else int(self._chosen.value) - 1
+        return Look(chosen, self._samples.value, self._bounds.value, self._truth.value)
+
+    def offer(self, count: int) -> None:
+        """So many hypotheses to choose from."""
+        names = [ALL, *(str(number + 1) for number in range(count))]
+        if tuple(names) != tuple(self._chosen.options):
+            self._changing = True
+            try:
+                self._chosen.options = names
+                self._chosen.value = ALL
+            finally:
+                self._changing = False
+
     def say(self, text: str, *, bad: bool = False) -> None:
         """What is going on."""
         self._status.content = words.panel(
@@ -60,7 +77,7 @@ class Panel:
         viewer, session, state = self._viewer, self._viewer.session, self._viewer.state
         self._changing = True
         try:
-            self._answer.content = words.panel(words.answer(session, state), "answer")
+            self._answer.content = words.panel(words.answer(session, state, viewer.look), "answer")
             self._reasons.content = words.panel(words.reasons(session, state), "reasons")
             self._tree.content = words.panel(words.tree_words(session, state), "tree")
             self._evidence.content = words.panel(words.evidence(state), "evidence")
@@ -71,11 +88,6 @@ class Panel:
             self._moment.max = max(1, last)
             self._moment.value = viewer.shown
             self._moment.disabled = last == 0
-            names = [ALL, *(str(number + 1) for number in range(len(state.hypotheses)))]
-            if tuple(names) != tuple(self._chosen.options):
-                self._chosen.options = names
-                self._chosen.value = ALL
-                self._viewer.look = self._looked_at()
         finally:
             self._changing = False
 
@@ -140,12 +152,10 @@ class Panel:
 
     def _look_anew(self) -> None:
         if not self._changing:
-            self._viewer.look = self._looked_at()
+            # Bounds take their time.
+            self.say("drawing …")
             self._viewer.show()
-
-    def _looked_at(self) -> Look:
-        chosen = None if self._chosen.value == ALL else int(self._chosen.value) - 1
-        return Look(chosen, self._samples.value, self._bounds.value, self._truth.value)
+            self.say("")
 
     def _save(self, client: Any) -> None:
         if client is not None:

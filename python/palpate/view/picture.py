@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -26,7 +27,7 @@ RANGE: Color = (70, 70, 80)
 MOST_NUMBERED = 25  # hypotheses that have their numbers, and bars beside the path
 MOST_RANGED = 12  # hypotheses whose ranges are drawn at once
 MOST_LINES = 60_000  # of hypotheses; above, those of the chosen one alone
-MOST_CORNERS = 24  # of a solid, around which it is shown where they may be
+MOST_CORNERS = 96  # of all solids, around which it is shown where they may be, but 24 of each
 SAMPLES = 16  # poses of a hypothesis
 THICKNESS = 0.03  # of planar parts, in sizes
 SPIKE = 0.16  # of normals, in sizes
@@ -45,6 +46,8 @@ class Bodies:
     opacity: float
     scales: Array | None = None
     """Shape `(n,)`."""
+    closed: bool = False
+    """Whether its triangles are seen from outside alone."""
     model_number: int | None = None
     """Of hypotheses: the model; then the places are those of its placements, in order."""
 
@@ -119,6 +122,17 @@ def ranged(state: State, look: Look) -> list[int]:
     return list(range(min(len(state.hypotheses), MOST_RANGED)))
 
 
+def corners_each(count: int) -> int:
+    """Corners of each of so many solids around which it is shown where they may be."""
+    return max(4, min(24, MOST_CORNERS // max(1, count)))
+
+
+@lru_cache(maxsize=8192)
+def reach(hypothesis: Hypothesis, *corner: float) -> float:
+    """How far apart two poses can move a corner, model frame: asked of the core once."""
+    return hypothesis.poses.excursion(corner)
+
+
 def frame_of(shapes: Sequence[Shape]) -> tuple[Array, Array]:
     """Two opposite corners of the box around all that is drawn."""
     points: list[Array] = []
@@ -145,6 +159,17 @@ def frame_of(shapes: Sequence[Shape]) -> tuple[Array, Array]:
     return everything.min(axis=0), everything.max(axis=0)
 
 
+def same(one: object, other: object) -> bool:
+    """Whether two shapes are drawn alike."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(np.asarray(one), np.asarray(other))
+    if is_dataclass(one) and type(one) is type(other):
+        return one is other or all(
+            same(getattr(one, each.name), getattr(other, each.name)) for each in fields(one)
+        )
+    return one == other
+
+
 class _Drawn:
     """A state, by its layers."""
 
@@ -169,6 +194,7 @@ class _Drawn:
                 poses,
                 color,
                 _opacity(len(self._placements)),
+                closed=own[0].model.closed,
                 model_number=number,
             )
             edges = meshes.edges_of(own[0].model, self._thickness)
@@ -204,10 +230,10 @@ class _Drawn:
             outlines = [meshes.fan(one.poses.outline(vertex), self._above) for vertex in one.model.vertices]
             yield Bodies(f"bounds/{number}", meshes.joined(outlines), np.eye(4)[None], RANGE, 0.45)
             return
-        corners = spread(np.asarray(one.model.vertices), MOST_CORNERS)
+        corners = spread(np.asarray(one.model.vertices), corners_each(len(ranged(self._state, self._look))))
         poses = np.tile(np.eye(4), (len(corners), 1, 1))
         poses[:, :3, 3] = meshes.placed(self._pose(one.world_from_model)[None], corners)[0]
-        radii = np.array([one.poses.excursion(corner) for corner in corners])
+        radii = np.array([reach(one, *corner) for corner in corners.tolist()])
         yield Bodies(f"bounds/{number}", meshes.ball(), poses, RANGE, 0.2, scales=radii)
 
     def contacts(self) -> Iterator[Shape]:

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from palpate.view.picture import Bodies, Shape, Strokes
+from palpate.view.picture import Bodies, Shape, Strokes, same
 from palpate.view.state import Array
 
+MOST_TRIANGLES = 40_000  # of one part at all its places; more are drawn simplified
 ROOM = 1.12  # around what is framed
 FOV = 0.7  # radians: a long lens, so that lengths nearly compare
 BESIDE = 0.8  # of the height: how wide the view is at least, beside the panel
@@ -23,7 +24,7 @@ class Scene:
         self._server = server
         self._flat = dimension == 2
         self._size = size
-        self._nodes: list[Any] = []
+        self._drawn: dict[str, tuple[Shape, Any]] = {}
         self._frame: tuple[Array, Array] | None = None
         server.scene.set_up_direction("+y" if self._flat else "+z")
         # Light from all sides shows colours as they are; some from one side shows shapes.
@@ -35,10 +36,16 @@ class Scene:
 
     def draw(self, shapes: Sequence[Shape], clicked: Callable[[int, Any], None] | None = None) -> None:
         """The shapes; `clicked` gets the number of a model and the event."""
+        wanted = {shape.name: shape for shape in shapes}
         with self._server.atomic():
-            for node in self._nodes:
-                node.remove()
-            self._nodes = [self._add(shape, clicked) for shape in shapes]
+            # What is there already stays: it need not go over the wire again.
+            for name, (shape, node) in list(self._drawn.items()):
+                if name not in wanted or not same(shape, wanted[name]):
+                    node.remove()
+                    del self._drawn[name]
+            for name, shape in wanted.items():
+                if name not in self._drawn:
+                    self._drawn[name] = shape, self._add(shape, clicked)
         self._server.flush()
 
     def look_at(self, low: Array, high: Array) -> None:
@@ -57,7 +64,7 @@ class Scene:
         if self._flat:
             width, height = (high - low)[:2]
             away = ROOM * max(height, width / BESIDE) / (2.0 * np.tan(FOV / 2))
-            position, up = middle + np.array([0.0, -0.12 * away, away]), np.array([0.0, 1.0, 0.0])
+            position, up = middle + np.array([0.0, -0.06 * away, away]), np.array([0.0, 1.0, 0.0])
         else:
             away = ROOM * 0.42 * float(np.linalg.norm(high - low)) / np.sin(FOV / 2) / min(1.0, BESIDE + 0.1)
             position = middle + away * np.array([0.48, -0.78, 0.41])
@@ -94,8 +101,8 @@ class Scene:
             batched_colors=_linear(shape.color),
             opacity=None if shape.opacity >= 1.0 else shape.opacity,
             flat_shading=True,
-            side="double",
-            lod="off",
+            side="front" if shape.closed else "double",
+            lod=_simplified(shape),
             cast_shadow=False,
             receive_shadow=False,
         )
@@ -103,6 +110,12 @@ class Scene:
         if number is not None and clicked is not None:
             node.on_click(lambda event: clicked(number, event))
         return node
+
+
+def _simplified(shape: Bodies) -> Any:
+    """How many of the triangles are drawn, from how near on."""
+    total = len(shape.mesh.triangles) * len(shape.poses)
+    return "off" if total <= MOST_TRIANGLES else ((1e-3, MOST_TRIANGLES / total),)
 
 
 def _linear(color: tuple[int, int, int]) -> tuple[int, int, int]:

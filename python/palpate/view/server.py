@@ -40,6 +40,7 @@ class Viewer:
         self._server = quiet_server(host, port)
         self._host = host
         self._doing = threading.Lock()
+        self._drawing = threading.RLock()
         self._scene = Scene(self._server, dimension=session.dimension, size=session.size)
         self._panel = Panel(self._server, self)
         self.show()
@@ -100,17 +101,21 @@ class Viewer:
 
     def show(self, number: int | None = None) -> None:
         """A moment, by its place in the history; None: the one that is shown, anew."""
-        if number is not None:
-            self.shown = number
-        shapes = shapes_of(self.session, self.state, self.look)
-        self._scene.draw(shapes, self.clicked)
-        self._scene.look_at(*frame_of(shapes))
-        self._panel.tell()
+        with self._drawing:
+            if number is not None:
+                self.shown = number
+            self._panel.offer(len(self.state.hypotheses))
+            self.look = self._panel.look
+            shapes = shapes_of(self.session, self.state, self.look)
+            self._scene.draw(shapes, self.clicked)
+            self._scene.look_at(*frame_of(shapes))
+            self._panel.tell()
 
     def fit(self) -> None:
         """Everyone looks at all that is drawn."""
-        self._scene.look_at(*frame_of(shapes_of(self.session, self.state, self.look)))
-        self._scene.look_again()
+        with self._drawing:
+            self._scene.look_at(*frame_of(shapes_of(self.session, self.state, self.look)))
+            self._scene.look_again()
 
     def play(self) -> None:
         """From the first moment to the last."""

@@ -342,7 +342,8 @@ class Session:
         contacts, misses = self._evidence(state)
         found = recognize(self.models, contacts, misses=misses, **self._recognized)
         moves = [(move.start, move.end, move.reply) for move in state.moves]
-        wrong = refuted(found.hypotheses, moves, self.sensor)
+        # It takes long to make many poses ready for moves, even for none.
+        wrong = refuted(found.hypotheses, moves, self.sensor) if moves else {}
         kept = [one for number, one in enumerate(found.hypotheses) if number not in wrong]
         return Left(kept, found.complete, found.stopped_by, found.conflict, len(wrong))
 

@@ -7,16 +7,17 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from importlib import resources
 
-from palpate._core import AmbiguityNode, Contact, Outcome
+from palpate._core import AmbiguityNode, Contact, Hypothesis, Outcome
 from palpate.cli.documents import components
 from palpate.cli.report import decimal
 from palpate.plots.style import COLORS, at_most
-from palpate.view.picture import MOST_CORNERS, MOST_RANGED, SAMPLES, Look, ranged
+from palpate.view.picture import MOST_RANGED, SAMPLES, Look, corners_each, ranged, reach
 from palpate.view.session import Session, left_words, reply_words
 from palpate.view.state import State
 
 MOST_ROWS = 20
-MOST_TOLD = 25  # vertices over which it is told how far they shift
+MOST_SHIFTED = 4  # hypotheses in space whose bounds are told, beside the chosen one's: they may take seconds
+MOST_TOLD = 64  # corners over which it is told how far they shift
 MOST_FEATURES = 3
 
 STYLE = resources.files("palpate.view").joinpath("panel.css").read_text(encoding="utf-8")
@@ -52,7 +53,7 @@ def panel(body: str, kind: str) -> str:
     return f'<style>{STYLE}</style><div class="palpate" data-palpate="{kind}">{body}</div>'
 
 
-def answer(session: Session, state: State) -> str:
+def answer(session: Session, state: State, look: Look) -> str:
     """How much is left, and what of it."""
     if state.left is None:
         count = len(state.contacts)
@@ -73,7 +74,7 @@ def answer(session: Session, state: State) -> str:
     if left.conflict:
         numbers = ", ".join(str(number + 1) for number in left.conflict)
         lines.append(f'<p class="bad">Contacts {numbers} can\'t hold together on any part.</p>')
-    return "".join([*lines, _hypothesis_table(session, state)])
+    return "".join([*lines, _hypothesis_table(session, state, look)])
 
 
 def evidence(state: State) -> str:
@@ -167,8 +168,8 @@ def range_words(session: Session, state: State, look: Look) -> str:
             )
         else:
             lines.append(
-                f"Grey, {of}: each of up to {MOST_CORNERS} corners is in its ball, whichever pose it is: a "
-                "bound, and wider than need be."
+                f"Grey, {of}: each of up to {corners_each(len(shown))} corners is in its ball, whichever "
+                "pose it is: a bound, and wider than need be."
             )
         if unproved:
             lines.append("Of hypotheses that are not proved no bound is drawn: their pose is a guess.")
@@ -206,20 +207,17 @@ def truth_words(session: Session, state: State) -> str:
     return f"A pose of {escape(truth.model.name)}, drawn by lot, answers."
 
 
-def _hypothesis_table(session: Session, state: State) -> str:
+def _hypothesis_table(session: Session, state: State, look: Look) -> str:
     if not state.hypotheses:
         return ""
     rows: list[str] = []
+    few = session.dimension == 2 or len(state.hypotheses) <= MOST_SHIFTED
     for number, one in enumerate(state.hypotheses[:MOST_ROWS]):
         pose = " ".join(
             f"{decimal(value, 1.0)}°" if "deg" in name else decimal(value, session.size)
             for name, value in components(one.world_from_model).items()
         )
-        turn = shift = "unknown"
-        if one.proved:
-            turn = f"{at_most(math.degrees(one.poses.rotation_bound))}°"
-            few = len(one.model.vertices) <= MOST_TOLD
-            shift = at_most(max(one.poses.excursion(v) for v in one.model.vertices)) if few else ""
+        turn, shift = _bounds(session, one) if number == look.chosen or few else ("", "")
         rows.append(
             f"<tr><td>{_part(session, state, number)}</td><td>{pose}</td>"
             f'<td class="number">{turn}</td><td class="number">{shift}</td></tr>'
@@ -227,6 +225,16 @@ def _hypothesis_table(session: Session, state: State) -> str:
     names = "x y angle" if session.dimension == 2 else "x y z rx ry rz"
     head = f"<tr><th>part</th><th>{names}</th><th>turn ≤</th><th>shift ≤</th></tr>"
     return f"<table>{head}{''.join(rows)}</table>{_more(len(state.hypotheses))}"
+
+
+def _bounds(session: Session, one: Hypothesis) -> tuple[str, str]:
+    """How far its poses turn, and corners shift, at most."""
+    if not one.proved:
+        return "unknown", "unknown"
+    turn = f"{at_most(math.degrees(one.poses.rotation_bound))}°"
+    if session.dimension == 3 and len(one.model.vertices) > MOST_TOLD:
+        return turn, ""
+    return turn, at_most(max(reach(one, *corner) for corner in one.model.vertices.tolist()))
 
 
 def _more(count: int) -> str:
