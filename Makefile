@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners view-speed tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs site bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners view-speed tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -32,7 +32,7 @@ test-rust: | .venv/.cargo
 test-python: .venv/.built .venv/.test .venv/.chromium
 	$(BIN)/python -m pytest --quiet $(ARGS)
 
-check: lint-rust lint-python ## formatting, lints, types, stubs and documentation
+check: lint-rust lint-python site ## formatting, lints, types, stubs and documentation
 
 lint-rust: export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 lint-rust: export RUSTDOCFLAGS := -D warnings
@@ -133,9 +133,11 @@ experiments: .venv/.built ## the thesis's tables and figures; an HTML page, and 
 	$(BIN)/palpate experiment all --out target/experiments $(ARGS)
 	$(BIN)/python -m palpate.experiments.thesis target/experiments docs/experiments.md
 
-docs: .venv/.built .venv/.docs ## the reference of the core in target/doc; the site, if there is a mkdocs.yml, in site/
+docs: site ## the reference of the core in target/doc; the book in site/
 	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --package palpate --no-deps
-	$(if $(wildcard mkdocs.yml),$(BIN)/mkdocs build --quiet --strict,)
+
+site: .venv/.built .venv/.docs ## the book in site/; a broken link or name is an error
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 wheel: .venv/.tools .venv/.cargo ## a wheel in target/wheels
 	$(BIN)/maturin build --release --quiet

@@ -10,7 +10,7 @@ import numpy as np
 from palpate.view.picture import Bodies, Shape, Strokes, same
 from palpate.view.state import Array
 
-MOST_TRIANGLES = 40_000  # of one part at all its places; more are drawn simplified
+MOST_TRIANGLES = 15_000  # of one part at all its places; more are drawn simplified
 ROOM = 1.12  # around what is framed
 FOV = 0.7  # radians: a long lens, so that lengths nearly compare
 BESIDE = 0.8  # of the height: how wide the view is at least, beside the panel
