@@ -71,8 +71,9 @@ assert isinstance(probe, palpate.Probe)
 near = palpate.Prior([[1, 0, 205], [0, 1, 115], [0, 0, 1]], translation=15, rotation=math.radians(15))
 workspace = [[150, 60], [340, 240]]
 result = palpate.identify([part], probe, sensor, workspace, prior=near, until=(0.5, math.radians(0.3)))
-(found,) = result.hypotheses
-x, y = found.world_from_model[:2, 2]
-angle = math.degrees(math.atan2(found.world_from_model[1, 0], found.world_from_model[0, 0]))
-print(f"{result.status}: {result.reason}\nG10 L2 P1 X{x:.3f} Y{y:.3f} R{angle:.3f}")
-assert by_hand or found.poses.contains(hidden)
+print(f"{result.status}: {result.reason}")
+for found in result.hypotheses:
+    world_from_part = found.world_from_model
+    (x, y), angle = world_from_part[:2, 2], math.atan2(world_from_part[1, 0], world_from_part[0, 0])
+    print(f"G10 L2 P1 X{x:.3f} Y{y:.3f} R{math.degrees(angle):.3f}")
+assert by_hand or result.hypotheses[0].poses.contains(hidden)
