@@ -67,7 +67,9 @@ class Panel:
                 self._changing = False
 
     def say(self, text: str, *, bad: bool = False) -> None:
-        """What is going on."""
+        """What is going on; nothing once it is over, though something may still be at work."""
+        if self._viewer.over:
+            return
         self._status.content = words.panel(
             f'<p class="{"bad" if bad else ""}" role="status">{escape(text)}</p>', "status"
         )

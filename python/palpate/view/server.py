@@ -37,6 +37,7 @@ class Viewer:
         self.session = session
         self.shown = len(session.states) - 1
         self.look = Look()
+        self.over = False
         self._server = quiet_server(host, port)
         self._host = host
         self._doing = threading.Lock()
@@ -63,6 +64,7 @@ class Viewer:
 
     def stop(self) -> None:
         """End it."""
+        self.over = True
         stop_quietly(self._server)
 
     def do(self, saying: str, action: Callable[[], object]) -> None:
@@ -102,6 +104,8 @@ class Viewer:
     def show(self, number: int | None = None) -> None:
         """A moment, by its place in the history; None: the one that is shown, anew."""
         with self._drawing:
+            if self.over:
+                return
             if number is not None:
                 self.shown = number
             self._panel.offer(len(self.state.hypotheses))
