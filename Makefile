@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs site bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners view-speed tune-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -29,10 +29,10 @@ test: test-rust test-python ## all tests
 test-rust: | .venv/.cargo
 	cargo test --release --quiet
 
-test-python: .venv/.built .venv/.test
+test-python: .venv/.built .venv/.test .venv/.chromium
 	$(BIN)/python -m pytest --quiet $(ARGS)
 
-check: lint-rust lint-python ## formatting, lints, types, stubs and documentation
+check: lint-rust lint-python site ## formatting, lints, types, stubs and documentation
 
 lint-rust: export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 lint-rust: export RUSTDOCFLAGS := -D warnings
@@ -119,6 +119,9 @@ experiment-planners: parts .venv/.cluster ## all planners of space on 210 proble
 campaign-loop-space: .venv/.built .venv/.cluster ## 1,000 closed loops over solids, in docs/closed-loop.md; on real parts too if `make parts` was run; resumes
 	$(BIN)/python -m palpate.experiments.campaign_loop_space --parts $(PARTS) --page docs/closed-loop.md $(ARGS)
 
+view-speed: .venv/.built .venv/.test .venv/.chromium ## from click to picture in the viewer; in docs/viewer.md
+	$(BIN)/python -m palpate.experiments.view_speed --page docs/viewer.md
+
 tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs/closed-loop.md (some minutes)
 	$(BIN)/python -m palpate.experiments.tune_page docs/closed-loop.md $(ARGS)
 
@@ -130,9 +133,11 @@ experiments: .venv/.built ## the thesis's tables and figures; an HTML page, and 
 	$(BIN)/palpate experiment all --out target/experiments $(ARGS)
 	$(BIN)/python -m palpate.experiments.thesis target/experiments docs/experiments.md
 
-docs: .venv/.built .venv/.docs ## the reference of the core in target/doc; the site, if there is a mkdocs.yml, in site/
+docs: site ## the reference of the core in target/doc; the book in site/
 	RUSTDOCFLAGS="-D warnings" cargo doc --quiet --package palpate --no-deps
-	$(if $(wildcard mkdocs.yml),$(BIN)/mkdocs build --quiet --strict,)
+
+site: .venv/.built .venv/.docs ## the book in site/; a broken link or name is an error
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 
 wheel: .venv/.tools .venv/.cargo ## a wheel in target/wheels
 	$(BIN)/maturin build --release --quiet
@@ -166,6 +171,13 @@ clean: ## remove what was built, .venv and .venv-peers included
 .venv/.test .venv/.dev .venv/.docs .venv/.cluster .venv/.parts: .venv/.%: pyproject.toml | .venv/.built
 	@echo "installing what $* needs"
 	@$(PIP) 'palpate[$*]'
+	@touch $@
+
+# Without a browser the tests of the viewer in one are skipped, and say so.
+.venv/.chromium: | .venv/.tools
+	@command -v chromium >/dev/null || { command -v apt-get >/dev/null && echo "installing chromium" && \
+		apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium >/dev/null; } || \
+		echo "chromium can't be installed here: tests of the viewer in a browser are skipped (Debian: apt-get install chromium)" >&2
 	@touch $@
 
 # Apart from .venv: Open3D brings a plugin of pytest that current ones can't load. palpate is taken from this folder.

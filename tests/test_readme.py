@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import ezdxf
@@ -28,6 +29,7 @@ def _blocks(page: Path) -> list[str]:
 @pytest.mark.parametrize("page", [page for page in PAGES if _blocks(page)], ids=lambda page: page.name)
 def test_the_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    _write_parts()
     names: dict[str, object] = {"__name__": "__main__"}
     for number, block in enumerate(_blocks(page), start=1):
         exec(compile(block, f"{page.name}, block {number}", "exec"), names)
@@ -39,6 +41,12 @@ def test_the_readme_has_python() -> None:
 
 # What takes minutes, or needs what only its reader has, is not run: its arguments are checked.
 TOO_LONG = ("experiment all",)
+PAGES_OF_COMMANDS = ["README.md", "docs/solids.md", "docs/machine-tool.md", "docs/viewer.md"]
+
+
+def _is_only_checked(command: str) -> bool:
+    """A viewer is open until an interrupt, unless it saves a page."""
+    return command.startswith(TOO_LONG) or (command.startswith("view") and "--save" not in command)
 
 
 def _commands(page: Path) -> list[str]:
@@ -61,17 +69,21 @@ def _write_parts() -> None:
     drawing.units = ezdxf.units.MM
     drawing.modelspace().add_lwpolyline([(0, 0), (80, 0), (80, 20), (20, 20), (20, 60), (0, 60)], close=True)
     drawing.saveas("my-part.dxf")
-    (bracket,) = palpate.load_models("l-bracket")
-    rows = ["solid bracket"]
-    for corners in bracket.vertices[np.asarray(bracket.triangles)].tolist():
+    Path("library").mkdir()
+    for solid in palpate.bundled_solids():
+        _write_stl(solid, Path("library") / f"{solid.name}.stl")
+    shutil.copy("library/l-bracket.stl", "bracket.stl")
+
+
+def _write_stl(solid: palpate.Model, path: Path) -> None:
+    rows = [f"solid {solid.name}"]
+    for corners in solid.vertices[np.asarray(solid.triangles)].tolist():
         rows += ["facet normal 0 0 0", "outer loop", *(f"vertex {x} {y} {z}" for x, y, z in corners)]
         rows += ["endloop", "endfacet"]
-    Path("bracket.stl").write_text("\n".join([*rows, "endsolid bracket", ""]))
+    path.write_text("\n".join([*rows, f"endsolid {solid.name}", ""]))
 
 
-@pytest.mark.parametrize(
-    "page", [ROOT / "README.md", ROOT / "docs" / "solids.md"], ids=lambda page: page.name
-)
+@pytest.mark.parametrize("page", [ROOT / page for page in PAGES_OF_COMMANDS], ids=lambda page: page.name)
 def test_the_commands_of_a_page_run(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -85,7 +97,7 @@ def test_the_commands_of_a_page_run(
     commands = _commands(page)
     assert len(commands) > 2
     for command in commands:
-        if command.startswith(TOO_LONG):
+        if _is_only_checked(command):
             name, *arguments = shlex.split(command, comments=True)
             typer.main.get_command(app).commands[name].make_context(name, arguments)
             continue

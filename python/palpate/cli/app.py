@@ -17,6 +17,7 @@ from palpate.cli.models import models
 from palpate.cli.plan import plan
 from palpate.cli.recognize import recognize
 from palpate.cli.tune import tune
+from palpate.cli.view import view
 
 
 class _HelpIsAFlag:
@@ -60,6 +61,7 @@ app.command(
     epilog="Example: palpate identify boot camera --probe sim --truth boot --pose 10,20,30 --plot run.svg",
 )(identify)
 app.command(cls=_Command, epilog="Example: palpate replay run.jsonl --plot pictures")(replay)
+app.command(cls=_Command, epilog="Example: palpate view boot camera --contacts boot")(view)
 app.command(cls=_Command, epilog="Example: palpate experiment all --cluster local --out thesis")(experiment)
 app.command(cls=_Command, epilog="Example: palpate models boot bracket.dxf --plot models.svg")(models)
 app.command(cls=_Command, epilog="Example: palpate parts --json")(parts)

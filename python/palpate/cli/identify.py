@@ -93,7 +93,7 @@ def identify(
         normal_slack_deg=normal_slack_deg,
     )
     dimension = parts.dimension
-    lying = _truth(parts, truth, unit=unit)
+    lying = part_that_lies_there(parts, truth, unit=unit)
     if lying.dimension != dimension:
         raise ValueError(
             f"--truth: {lying.name} has {lying.dimension} dimensions, {parts.models[0].name} has "
@@ -203,7 +203,7 @@ def _show(result: Result, parts: Parts, *, unit: str, plot: Path | None, json: b
             console.print(f"pictures: {plot}" if len(drawn) > 1 else f"picture: {plot}", markup=False)
 
 
-def _truth(parts: Parts, name: str | None, *, unit: str) -> Model:
+def part_that_lies_there(parts: Parts, name: str | None, *, unit: str) -> Model:
     """The part that lies there."""
     if name is None:
         return parts.models[0]
