@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.rig.admittance import Admittance
+from palpate.rig.bounds import Bounds
 from palpate.rig.guarded import GuardedMove, Line
 from palpate.rig.machine import Machine, RigFault, Sensed
 from palpate.rig.recording import State
@@ -33,6 +34,8 @@ class Met:
 
     free: float
     """Depth up to which nothing was touched."""
+    reached: float
+    """Depth at which the tip stood: the touch was between the two."""
     line: Line
     """The line of the move, shifted to where the tip was just before it touched."""
     most_force: float
@@ -56,9 +59,11 @@ class Reading:
 class OuterLoop:
     """Moves of the tip, one at a time."""
 
-    def __init__(self, machine: Machine, *, steepest: float) -> None:
-        """A tip at rest, clear of everything; contacts at more than `steepest` radians are given up."""
+    def __init__(self, machine: Machine, bounds: Bounds) -> None:
+        """A tip at rest, clear of everything; `bounds` are those of its readings."""
         self.machine = machine
+        self._position_error = bounds.position_error
+        steepest = bounds.max_incidence + 2.0 * bounds.normal_error
         self._least_cosine = math.cos(min(math.pi / 2, steepest + STEEPER))
         self._control: Control = machine.spec.control
         self._stiffness = machine.spec.beam.stiffness
@@ -116,7 +121,7 @@ class OuterLoop:
                 stopped = machine.rest(machine.tick_seconds, "guarded")
                 shifted = Line(line.start + line.aside(base), line.end + line.aside(base))
                 most = max(one.magnitude for one in [sensed, *stopped])
-                return Met(max(0.0, line.depth(base)), shifted, most)
+                return Met(max(0.0, line.depth(base)), line.depth(stopped[-1].base), shifted, most)
             machine.zero.follow(sensed.counts)
             base = sensed.base
         raise RigFault(f"a guarded move of {line.length:.1f} mm did not end in time")
@@ -124,7 +129,7 @@ class OuterLoop:
     def read(self, met: Met) -> Reading | None:
         """Press, rock, press again and read; then back off and take the zero.
 
-        None: the tip slipped off, or touches too steeply.
+        None: the tip slipped off or past what it touched, or touches too steeply.
 
         Raises:
             RigFault: The contact does not settle, or the tip does not come clear.
@@ -146,8 +151,7 @@ class OuterLoop:
         if read is None:
             self._back_off(met, met.free)
             return None
-        center = read.base + read.force / self._stiffness
-        zero = self._back_off(met, met.line.depth(center))
+        zero = self._back_off(met, met.line.depth(read.base + read.force / self._stiffness))
         if zero.time - read.time > control.zero_within:
             raise RigFault("the zero came too late after the reading")
         if rocked and read.time - rocked[0][1].time > control.rock_within:
@@ -156,8 +160,12 @@ class OuterLoop:
         if abs(float(np.hypot.reduce(force)) - control.force) > 2.0 * control.force_band:
             raise RigFault("the contact was not held at its force")
         normal = force / np.hypot.reduce(force)
+        center = read.base + force / self._stiffness
+        depth = met.line.depth(center)
+        if not met.free - self._position_error <= depth <= met.reached + self._position_error:
+            return None
         corner = any(self._against(normal, machine.force_of(one.counts), motion) for motion, one in rocked)
-        return Reading(read.base + force / self._stiffness, normal, corner, float(np.hypot.reduce(force)))
+        return Reading(center, normal, corner, float(np.hypot.reduce(force)))
 
     def _against(self, normal: Array, force: Array, motion: Array) -> bool:
         """Whether the force turned against a motion by more than it may seem to."""

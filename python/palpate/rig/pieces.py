@@ -1,7 +1,7 @@
 """Parts in convex pieces, as a physics engine needs them.
 
 A planar part becomes prisms over the triangles of its outline; their diagonals go from corner to corner, so
-that no face has a seam. A solid is cut by planes of faces at edges that stick in, until nothing sticks in.
+that no face has a seam. A solid is cut through edges that stick in, until none does.
 Both by manifold3d.
 """
 
@@ -21,6 +21,8 @@ Array: TypeAlias = NDArray[np.float64]
 MOST_PIECES = 400
 STICKS_IN = 1e-4
 """Radians: edges that stick in by less are taken for flat."""
+FILLED = 1e-6
+"""A piece whose hull is larger than this is not convex."""
 
 
 def planar_pieces(model: Model, *, low: float, high: float) -> list[Array]:
@@ -50,19 +52,24 @@ def solid_pieces(model: Model) -> list[Array]:
     _check_closed(model)
     manifold3d = library("manifold3d")
     mesh = manifold3d.Mesh64(
-        np.asarray(model.vertices, dtype=float), np.asarray(model.triangles, dtype=np.uint64)
+        np.array(model.vertices, dtype=float),
+        np.array(model.triangles, dtype=np.uint64),
     )
     whole = manifold3d.Manifold(mesh)
     if whole.is_empty():
         raise ValueError(f"model: {model.name!r} is no closed solid; give one whose surface has no gaps")
-    waiting, done = [whole], []
+    waiting: list[Any] = whole.decompose()
+    done: list[Array] = []
     while waiting:
         piece = waiting.pop()
         cut = _cut_of(piece)
         if cut is None:
+            if piece.hull().volume() > (1.0 + FILLED) * piece.volume():
+                raise ValueError(f"model: {model.name!r} can't be cut into convex pieces; simplify it")
             done.append(np.asarray(piece.to_mesh64().vert_properties)[:, :3])
         else:
-            parts = [half for half in piece.split_by_plane(*cut) if not half.is_empty()]
+            halves = [half for half in piece.split_by_plane(*cut) if not half.is_empty()]
+            parts = [part for half in halves for part in half.decompose()]
             if len(parts) < 2:
                 raise ValueError(f"model: {model.name!r} can't be cut into convex pieces; simplify it")
             waiting += parts
@@ -74,7 +81,10 @@ def solid_pieces(model: Model) -> list[Array]:
 
 
 def _cut_of(piece: Any) -> tuple[list[float], float] | None:
-    """The plane of a face at the edge that sticks in most; None: the piece is convex."""
+    """The plane that halves the edge that sticks in most, its normal and offset; None: the piece is convex.
+
+    The plane of a face would do with fewer pieces, but cuts along what is there already leave thin sheets.
+    """
     mesh = piece.to_mesh64()
     points = np.asarray(mesh.vert_properties)[:, :3]
     triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
@@ -89,19 +99,23 @@ def _cut_of(piece: Any) -> tuple[list[float], float] | None:
     for number, corners in enumerate(merged[triangles]):
         for k in range(3):
             across[int(corners[k]), int(corners[(k + 1) % 3])] = number
-    best, least = None, STICKS_IN
+    best: tuple[int, int] | None = None
+    least = STICKS_IN
     for (start, end), one in across.items():
         other = across.get((end, start))
-        if other is None or start > end:
+        if other is None or start > end:  # each edge once
             continue
         along = points[end] - points[start]
         turn = float(np.cross(normals[one], normals[other]) @ (along / np.linalg.norm(along)))
         if -turn > least:
-            best, least = one, -turn
+            best, least = (one, other), -turn
     if best is None:
         return None
-    normal = normals[best]
-    return normal.tolist(), float(normal @ a[best])
+    one, other = best
+    normal = normals[one] - normals[other]
+    normal /= np.linalg.norm(normal)
+    shared = points[next(k for k in triangles[one] if merged[k] in merged[triangles[other]])]
+    return normal.tolist(), float(normal @ shared)
 
 
 def _check_closed(model: Model) -> None:

@@ -88,7 +88,7 @@ class RigProbe:
         )
         gauges = Gauges(spec.beam, spec.electronics, dimension=d, random=drawn[1])
         self._machine = Machine(plant, gauges, spec, drawn[2])
-        self._outer = OuterLoop(self._machine, steepest=incidence + 2.0 * self._bounds.normal_error)
+        self._outer = OuterLoop(self._machine, self._bounds)
         self._position: Array | None = None
         self._broken: str | None = None
         self.overshoots: list[float] = []
