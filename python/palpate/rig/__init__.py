@@ -4,21 +4,26 @@
 the extra `palpate[sim]`. Inside, lengths are mm, forces N, times s.
 """
 
-from palpate.rig.bounds import Bounds, bounds_of, rig_sensor
+from palpate.rig.bounds import REACH, Bounds, bounds_of, rig_sensor
+from palpate.rig.phases import Phases, phases_of
 from palpate.rig.probe import RigProbe
 from palpate.rig.recording import Recording
-from palpate.rig.specification import Bearing, Control, Electronics, Gantry, Jig, RigSpec
+from palpate.rig.specification import Bearing, Control, Electronics, Gantry, Jig, RigSpec, without_errors
 
 __all__ = [
+    "REACH",
     "Bearing",
     "Bounds",
     "Control",
     "Electronics",
     "Gantry",
     "Jig",
+    "Phases",
     "Recording",
     "RigProbe",
     "RigSpec",
     "bounds_of",
+    "phases_of",
     "rig_sensor",
+    "without_errors",
 ]

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 from palpate._core import Sensor
+from palpate.contacts.entry import mm_per
 from palpate.rig.gauges import count_force
 from palpate.rig.specification import BURSTS, RigSpec, check
 
@@ -99,7 +100,7 @@ def bounds_of(
     gain = _gain(spec, dimension)
     least = (control.force - 2.0 * control.force_band) / (1.0 + gain) - sum(forces.values())
     # Readings of a rock are as far apart as the first from the zero; the bearing may hold either way.
-    apart = 2.0 * noise + (drift + creep) * control.rock_within + 2.0 * (rolling + inertia)
+    apart = 2.0 * noise + (drift + creep) * control.rock_within * (dimension - 1) + 2.0 * (rolling + inertia)
     if not least > max(sum(forces.values()), apart):
         raise ValueError(
             f"spec: its errors, {sum(forces.values()):.3g} N, are too large for the force of "
@@ -144,14 +145,16 @@ def rig_sensor(
     dimension: int = 2,
     reach: tuple[float, ...] | None = None,
     max_incidence: float = MAX_INCIDENCE,
+    unit: str = "mm",
 ) -> Sensor:
-    """The rig as a `palpate.Sensor`: its derived bounds, in mm.
+    """The rig as a `palpate.Sensor`: its derived bounds.
 
     Args:
         spec: The rig; the thesis's if not given.
         dimension: 2 or 3.
         reach: Travel of each axis, mm; 290 × 320 (× 200) if not given.
         max_incidence: Ω, radians: steeper touches are skids.
+        unit: Of the sensor's lengths.
 
     Raises:
         ValueError: A number that no rig has; errors that leave no bound.
@@ -164,14 +167,15 @@ def rig_sensor(
             f"max_incidence: leaves the place of a contact unbounded (got {math.degrees(max_incidence):g}°); "
             "give a smaller one"
         )
-    stem = None if dimension == 2 else ((0.0, 0.0, 1.0), spec.stem_radius, spec.beam.length)
+    mm = mm_per(unit, "unit")
+    rod = ((0.0, 0.0, 1.0), spec.stem_radius / mm, spec.beam.length / mm)
     return Sensor(
-        bounds.position_error,
+        bounds.position_error / mm,
         bounds.normal_error,
         max_incidence,
-        spec.bearing.radius,
-        bounds.path_error,
-        stem=stem,
+        spec.bearing.radius / mm,
+        bounds.path_error / mm,
+        stem=None if dimension == 2 else rod,
     )
 
 
@@ -210,7 +214,9 @@ def _gain(spec: RigSpec, dimension: int) -> float:
     """Share by which calibrated gains may be off (B3)."""
     jig, root = spec.jig, math.sqrt(dimension)
     column = (
-        math.hypot(jig.weight_tolerance, 2.0 * math.sin(jig.direction_tolerance / 2.0) * (1.0 + jig.weight_tolerance))
+        math.hypot(
+            jig.weight_tolerance, 2.0 * math.sin(jig.direction_tolerance / 2.0) * (1.0 + jig.weight_tolerance)
+        )
         + root * _average(spec, jig.seconds) / jig.weight
         + root * spec.electronics.drift * jig.seconds / (2.0 * jig.weight)
         + _crept(spec, jig.seconds) * (1.0 + jig.weight_tolerance)
@@ -253,9 +259,7 @@ def _geometry(spec: RigSpec, reach: tuple[float, ...]) -> float:
 def _guard_deflection(spec: RigSpec, dimension: int, stiffness: float) -> float:
     """How far the tip may be bent aside without a contact being noticed, mm (B7)."""
     control = spec.control
-    late = math.sqrt(dimension) * (
-        2.0 * _average(spec, 1.0 / control.rate_hz) + spec.electronics.drift * 2.0
-    )
+    late = math.sqrt(dimension) * (2.0 * _average(spec, 1.0 / control.rate_hz) + spec.electronics.drift * 2.0)
     creep = _crept(spec, control.settle) * spec.beam.most_force
     return (control.guard_force * (1.0 + _gain(spec, dimension)) + late + creep) / stiffness
 

@@ -41,9 +41,7 @@ class Gauges:
         self._time = 0.0
         self._crept = np.zeros(d)
 
-    def _drawn_sensitivity(
-        self, beam: Beam, d: int, random: np.random.Generator, spread: float
-    ) -> Array:
+    def _drawn_sensitivity(self, beam: Beam, d: int, random: np.random.Generator, spread: float) -> Array:
         electronics = self._electronics
         axes = np.array(
             [turned(axis, electronics.axis_spread * random.uniform(), random) for axis in np.eye(d)]

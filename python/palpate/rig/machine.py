@@ -72,7 +72,9 @@ class Machine:
             raise RigFault("the stem touched the part before the tip did")
         most = self.spec.beam.most_force
         if not sensed.magnitude < most:
-            raise RigFault(f"the beam bore {sensed.magnitude:.1f} N, more than the {most:g} N that it is made for")
+            raise RigFault(
+                f"the beam bore {sensed.magnitude:.1f} N, more than the {most:g} N that it is made for"
+            )
         return sensed
 
     def force_of(self, counts: Array) -> Array:

@@ -154,7 +154,7 @@ class OuterLoop:
         zero = self._back_off(met, met.line.depth(read.base + read.force / self._stiffness))
         if zero.time - read.time > control.zero_within:
             raise RigFault("the zero came too late after the reading")
-        if rocked and read.time - rocked[0][1].time > control.rock_within:
+        if read.time - rocked[0][1].time > control.rock_within * len(tangents):
             raise RigFault("the reading came too late after the tip was rocked")
         force = machine.force_of(read.counts)
         if abs(float(np.hypot.reduce(force)) - control.force) > 2.0 * control.force_band:
@@ -217,9 +217,7 @@ class OuterLoop:
             RigFault: It still touches.
         """
         machine, control = self.machine, self._control
-        self.go(
-            met.line.at(max(0.0, depth - control.back_off)), speed=control.guard_speed, state="back off"
-        )
+        self.go(met.line.at(max(0.0, depth - control.back_off)), speed=control.guard_speed, state="back off")
         machine.rest(control.quiet, "zero")
         read = machine.averaged(machine.rest(control.reading, "zero"))
         if read.magnitude > control.guard_force:
@@ -237,5 +235,3 @@ def _tangents(force: Array) -> list[Array]:
     first = np.cross(normal, least)
     first /= np.linalg.norm(first)
     return [first, np.cross(normal, first)]
-
-

@@ -89,9 +89,7 @@ def _cut_of(piece: Any) -> tuple[list[float], float] | None:
     points = np.asarray(mesh.vert_properties)[:, :3]
     triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
     merged = np.arange(len(points))
-    merged[np.asarray(mesh.merge_from_vert, dtype=np.int64)] = np.asarray(
-        mesh.merge_to_vert, dtype=np.int64
-    )
+    merged[np.asarray(mesh.merge_from_vert, dtype=np.int64)] = np.asarray(mesh.merge_to_vert, dtype=np.int64)
     a, b, c = (points[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -81,6 +81,7 @@ class Plant:
         option.timestep = 1.0 / (spec.control.rate_hz * self.steps)
         option.gravity = [0.0, 0.0, 0.0]  # weights are constant: they go with the zero
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        option.tolerance = 1e-14  # with the usual one a steady contact opens now and then for a step
         option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         hard = {**HARD, "solref": [2.0 * option.timestep, 1.0]}
         friction = [spec.bearing.surface_friction, 0.0, 0.0]
@@ -102,7 +103,9 @@ class Plant:
         omega = 2.0 * math.pi * gantry.servo_hz
         for k in range(d):
             # Each axis moves all of the mass; those after the first need none of their own.
-            body = body.add_body(name=f"axis-{k}", mass=gantry.mass if k == d - 1 else 1e-6, inertia=[1e-6] * 3)
+            body = body.add_body(
+                name=f"axis-{k}", mass=gantry.mass if k == d - 1 else 1e-6, inertia=[1e-6] * 3
+            )
             body.explicitinertial = True
             body.pos = M * np.array([*self._middle, 0.0][:3]) if k == 0 else np.zeros(3)
             body.add_joint(
@@ -116,7 +119,9 @@ class Plant:
             servo = made.add_actuator(name=f"axis-{k}", target=f"axis-{k}")
             servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
             stiffness, damping = gantry.mass * omega**2, 2.0 * gantry.mass * omega
-            servo.set_to_intvelocity(kp=stiffness, kv=damping, dampratio=-1.0, timeconst=-1.0, inheritrange=0.0)
+            servo.set_to_intvelocity(
+                kp=stiffness, kv=damping, dampratio=-1.0, timeconst=-1.0, inheritrange=0.0
+            )
             servo.forcelimited = True
             servo.forcerange = [-gantry.most_drive, gantry.most_drive]
             servo.actlimited = False

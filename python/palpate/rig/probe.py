@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -80,8 +81,8 @@ class RigProbe:
         incidence = MAX_INCIDENCE if sensor is None else sensor.max_incidence
         travel = tuple(float(way) for way in np.ptp(self._reach, axis=0))
         self._bounds = bounds_of(spec, dimension=d, reach=travel, max_incidence=incidence)
-        derived = rig_sensor(spec, dimension=d, reach=travel, max_incidence=incidence)
-        self._sensor = _in_unit(derived, self._mm) if sensor is None else _claimed(sensor, derived, self._mm)
+        derived = rig_sensor(spec, dimension=d, reach=travel, max_incidence=incidence, unit=unit)
+        self._sensor = derived if sensor is None else _claimed(sensor, derived)
         drawn = [np.random.default_rng([seed, 2, k]) for k in range(3)]
         plant = Plant(
             model, self._world_from_model, spec, reach=self._reach, unit_mm=self._mm, random=drawn[0]
@@ -98,6 +99,11 @@ class RigProbe:
     def sensor(self) -> Sensor:
         """What its replies claim, in the unit of the model; for `palpate.identify`."""
         return self._sensor
+
+    @property
+    def spec(self) -> RigSpec:
+        """What it is built of."""
+        return self._spec
 
     @property
     def bounds(self) -> Bounds:
@@ -122,8 +128,6 @@ class RigProbe:
     @property
     def simulation(self) -> dict[str, Any]:
         """All that the answers depend on beside the moves, as JSON."""
-        from dataclasses import asdict
-
         return {
             **truth_entry(self._model, self._world_from_model),
             "rig": asdict(self._spec),
@@ -255,25 +259,12 @@ class RigProbe:
         return place
 
 
-def _in_unit(sensor: Sensor, mm: float) -> Sensor:
-    stem = sensor.stem
-    return Sensor(
-        sensor.position_error / mm,
-        sensor.normal_error,
-        sensor.max_incidence,
-        sensor.tip_radius / mm,
-        sensor.path_error / mm,
-        stem=None if stem is None else (stem[0], stem[1] / mm, stem[2] / mm),
-    )
-
-
-def _claimed(sensor: Sensor, derived: Sensor, mm: float) -> Sensor:
+def _claimed(sensor: Sensor, least: Sensor) -> Sensor:
     """The sensor that is asked for, if the rig is as good.
 
     Raises:
         ValueError: A bound smaller than the derived one; another tip.
     """
-    least = _in_unit(derived, mm)
     own = (
         ("position_error", sensor.position_error, least.position_error),
         ("path_error", sensor.path_error or sensor.position_error, least.path_error),

@@ -7,7 +7,7 @@ What is called a spread or a tolerance bounds an error that is drawn once for a 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from palpate.rig.beam import Beam
@@ -142,8 +142,8 @@ class Control:
     """mm, from the contact, to take the zero."""
     zero_within: float = 1.5
     """s: the zero is taken so soon after the reading."""
-    rock_within: float = 4.0
-    """s: so soon before the reading the tip is rocked."""
+    rock_within: float = 2.0
+    """s, for each direction along the surface: so soon before the reading the tip is rocked."""
 
 
 @dataclass(frozen=True)
@@ -163,6 +163,20 @@ class RigSpec:
     def moving_mass(self) -> float:
         """Of the tip on its spring, kg."""
         return self.beam.tip_mass + self.bearing.mass
+
+
+def without_errors(spec: RigSpec, *names: str) -> RigSpec:
+    """The same rig without some errors of its force sensor: `"drift"`, `"creep"`, `"noise"`.
+
+    Its bounds are those of a rig that is known to be without.
+
+    Raises:
+        ValueError: Another name.
+    """
+    for name in names:
+        if name not in ("drift", "creep", "noise"):
+            raise ValueError(f'names: unknown (got {name!r}); give some of "drift", "creep" and "noise"')
+    return replace(spec, electronics=replace(spec.electronics, **dict.fromkeys(names, 0.0)))
 
 
 BURSTS = 4
