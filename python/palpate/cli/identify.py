@@ -6,6 +6,8 @@ import math
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
+
 from palpate import Model, Result, load_models, random_contacts
 from palpate import identify as identify_part
 from palpate import replay as replay_run
@@ -82,7 +84,7 @@ def identify(
     """Which part it is and where, by touch: acquire, recognize, plan, touch, recognize anew.
 
     A workspace not given is about the pose or the origin: a square of three sizes of the largest part, in
-    space a cube of two. That of the rig is its reach, 290 × 320 mm, in space 200 mm high; there it probes
+    space a cube of two. That of the rig has 290 × 320 mm, in space a height of 200; there it probes
     from above unless --directions says otherwise.
 
     Exit code 0: there is an answer, whatever its status; 2: bad input.
@@ -230,8 +232,8 @@ def _show(
         print_result(console, result, parts.labels, notes=notes, unit=unit, size=size)
         if phases is not None:
             console.print(
-                f"The rig took {phases.initial_data:.0f} s for the initial data and {phases.execution:.0f} s from "
-                "there on, simulated."
+                f"The rig took {phases.initial_data:.0f} s for the initial data and {phases.execution:.0f} s "
+                "from there on, simulated."
             )
     console.file.flush()
     if plot is not None:
@@ -245,7 +247,8 @@ def _check_unused(**given: Any) -> None:
     for name, value in given.items():
         if value is not None:
             raise ValueError(
-                f"--{name} {value}: is of --probe sim; the rig's errors follow from how it is built: leave it out"
+                f"--{name} {value}: is of --probe sim; the rig's errors follow from how it is built: "
+                "leave it out"
             )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from palpate import Model, Sensor, SimulatedProbe
 from palpate.cli import plan_options
 from palpate.cli.recognize import pose_of
-from palpate.cli.rig_options import DOWN, RigFlags, reach_of
+from palpate.cli.rig_options import DOWN, RigFlags, rig_workspace
 from palpate.contacts.entry import mm_per
 from palpate.loop.route import Array, workspace_of
 from palpate.probe import Noise, random_pose
@@ -94,12 +94,12 @@ def rig(
     """The rig, with its derived bounds where no others are asked for."""
     d, mm = truth.dimension, mm_per(unit, "--unit")
     corners = plan_options.workspace_of(workspace, d)
-    area = workspace_of(reach_of(corners, unit=unit, dimension=d), d)
+    area = workspace_of(rig_workspace(corners, unit=unit, dimension=d), d)
     spec = flags.spec(None if felt.tip_radius is None else felt.tip_radius * mm)
     derived = rig_sensor(
         spec,
         dimension=d,
-        reach=tuple(float(way) * mm for way in np.ptp(area, axis=0)),
+        size=tuple(float(side) * mm for side in np.ptp(area, axis=0)),
         max_incidence=math.radians(felt.max_incidence_deg),
         unit=unit,
     )
@@ -114,7 +114,7 @@ def rig(
         stem=derived.stem,
     )
     placed = _pose(pose, truth, workspace=area, sensor=sensor, seed=seed)
-    probe = RigProbe(truth, placed, sensor, spec=spec, reach=area, unit=unit, seed=seed)
+    probe = RigProbe(truth, placed, sensor, spec=spec, workspace=area, unit=unit, seed=seed)
     return Bench(probe, sensor, area, placed, DOWN if directions is None and d == 3 else directions)
 
 

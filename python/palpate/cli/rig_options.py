@@ -13,7 +13,7 @@ import typer
 from palpate.cli import options
 from palpate.contacts.entry import mm_per
 from palpate.loop.route import Array
-from palpate.rig import REACH, RigSpec, without_errors
+from palpate.rig import SIZE, RigSpec, without_errors
 
 PANEL = "Rig"
 FASTEST = 1000.0  # mm/s
@@ -154,8 +154,8 @@ class RigFlags:
         return without_errors(spec, *(() if self.without is None else self.without.split(",")))
 
 
-def reach_of(workspace: Array | None, *, unit: str, dimension: int) -> Array:
-    """The workspace, or all that the thesis's rig reaches, in the unit."""
+def rig_workspace(workspace: Array | None, *, unit: str, dimension: int) -> Array:
+    """The workspace, or that of the thesis's rig, in the unit."""
     if workspace is not None:
         return workspace
-    return np.array([np.zeros(dimension), REACH[dimension]]) / mm_per(unit, "unit")
+    return np.array([np.zeros(dimension), SIZE[dimension]]) / mm_per(unit, "unit")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,14 +33,14 @@ def plot_recording(recording: Recording, *, begin: float = 0.0, end: float | Non
     Raises:
         ValueError: No tick is between them.
     """
-    times = recording.times
+    times = recording.column("time")
     shown = (times >= begin) & (times <= (np.inf if end is None else end))
     if not shown.any():
         raise ValueError(
             f"begin: leaves no tick of the recording (got {begin:g} to {end}); "
             f"it has {len(recording)}, and ends at {times[-1] if len(times) else 0.0:g} s"
         )
-    times, forces = times[shown], recording.forces[shown]
+    times, forces = times[shown], recording.column("force")[shown]
     with mpl.rc_context(RC):
         figure = new_figure((9.0, 5.2))
         grid = figure.add_gridspec(3, 1, height_ratios=(6, 6, 1))
@@ -47,7 +49,7 @@ def plot_recording(recording: Recording, *, begin: float = 0.0, end: float | Non
         lower = figure.add_subplot(grid[2], sharex=upper)
         for k, name in enumerate("xyz"[: forces.shape[1]]):
             upper.plot(times, forces[:, k], lw=0.9, color=COLORS[k], label=name)
-            middle.plot(times, recording.bases[shown][:, k], lw=1.1, color=COLORS[k], label=name)
+            middle.plot(times, recording.column("base")[shown][:, k], lw=1.1, color=COLORS[k], label=name)
         upper.plot(times, np.hypot.reduce(forces, axis=1), lw=1.3, color=SENSED, label="all")
         upper.set_ylabel("sensed force (N)")
         middle.set_ylabel("encoders (mm)")
@@ -68,7 +70,7 @@ def _draw_states(axes: Axes, times: Array, states: np.ndarray) -> None:
     """A strip, a colour for each state."""
     changes = np.flatnonzero(np.diff(states)) + 1
     edges = [0, *changes.tolist(), len(states) - 1]
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in pairwise(edges):
         axes.axvspan(times[first], times[last], color=STATE_COLORS[STATES[states[first]]], lw=0.0)
     axes.set_yticks([])
     axes.spines[:].set_visible(False)

@@ -37,7 +37,7 @@ class Bounds:
     repeat: float
     """By how much the directions of two readings of one force may differ."""
     geometry: float
-    """By which the axes may be off, anywhere in the reach."""
+    """By which the axes may be off, wherever they are."""
     rest: dict[str, float]
     """That the sensed centre may be off the place where the tip rests, beside the axes."""
     slide: dict[str, float]
@@ -74,9 +74,9 @@ class Bounds:
 
 
 def bounds_of(
-    spec: RigSpec, *, dimension: int, reach: tuple[float, ...], max_incidence: float = MAX_INCIDENCE
+    spec: RigSpec, *, dimension: int, size: tuple[float, ...], max_incidence: float = MAX_INCIDENCE
 ) -> Bounds:
-    """The bounds of a rig with `reach` mm of travel along each axis."""
+    """The bounds of a rig whose workspace has a size of `size` mm along each axis."""
     check(spec)
     control, bearing, beam = spec.control, spec.bearing, spec.beam
     root = math.sqrt(dimension)
@@ -107,7 +107,7 @@ def bounds_of(
             f"{control.force:g} N; press harder, or give smaller errors"
         )
     encoder = root * spec.gantry.resolution / 2.0
-    geometry = _geometry(spec, reach)
+    geometry = _geometry(spec, size)
     most = most_read / stiffness
     off = (most_read * gain + sum(forces.values())) / stiffness
     guard = _guard_deflection(spec, dimension, stiffness)
@@ -143,7 +143,7 @@ def rig_sensor(
     spec: RigSpec | None = None,
     *,
     dimension: int = 2,
-    reach: tuple[float, ...] | None = None,
+    size: tuple[float, ...] | None = None,
     max_incidence: float = MAX_INCIDENCE,
     unit: str = "mm",
 ) -> Sensor:
@@ -152,7 +152,7 @@ def rig_sensor(
     Args:
         spec: The rig; the thesis's if not given.
         dimension: 2 or 3.
-        reach: Travel of each axis, mm; 290 × 320 (× 200) if not given.
+        size: Of the workspace along each axis, mm; 290 × 320 (× 200) if not given.
         max_incidence: Ω, radians: steeper touches are skids.
         unit: Of the sensor's lengths.
 
@@ -160,8 +160,8 @@ def rig_sensor(
         ValueError: A number that no rig has; errors that leave no bound.
     """
     spec = RigSpec() if spec is None else spec
-    reach = REACH[dimension] if reach is None else reach
-    bounds = bounds_of(spec, dimension=dimension, reach=reach, max_incidence=max_incidence)
+    size = SIZE[dimension] if size is None else size
+    bounds = bounds_of(spec, dimension=dimension, size=size, max_incidence=max_incidence)
     if not math.isfinite(bounds.position_error):
         raise ValueError(
             f"max_incidence: leaves the place of a contact unbounded (got {math.degrees(max_incidence):g}°); "
@@ -179,8 +179,8 @@ def rig_sensor(
     )
 
 
-REACH: dict[int, tuple[float, ...]] = {2: (290.0, 320.0), 3: (290.0, 320.0, 200.0)}
-"""Travel of the axes, mm (thesis 4.3; the vertical one is ours)."""
+SIZE: dict[int, tuple[float, ...]] = {2: (290.0, 320.0), 3: (290.0, 320.0, 200.0)}
+"""Of the workspace, mm (thesis 4.3; its height is ours)."""
 
 
 def _average(spec: RigSpec, seconds: float) -> float:
@@ -244,9 +244,9 @@ def _swing(spec: RigSpec) -> float:
     return math.sqrt(spec.beam.stiffness * (1.0 + spec.jig.stiffness_tolerance) * 1e3 / spec.moving_mass)
 
 
-def _geometry(spec: RigSpec, reach: tuple[float, ...]) -> float:
-    """Of the axes, anywhere in the reach (B6)."""
-    gantry, half = spec.gantry, [way / 2.0 for way in reach]
+def _geometry(spec: RigSpec, size: tuple[float, ...]) -> float:
+    """Of the axes, wherever they are (B6)."""
+    gantry, half = spec.gantry, [way / 2.0 + spec.gantry.overrun for way in size]
     return math.hypot(
         *(
             (gantry.scale_tolerance + gantry.square_tolerance**2) * own

@@ -55,9 +55,7 @@ class Zero:
         self._delay.clear()
 
 
-def calibrated(
-    gauges: Gauges, spec: RigSpec, random: np.random.Generator, dimension: int
-) -> tuple[Array, Array]:
+def calibrated(gauges: Gauges, spec: RigSpec, *, random: np.random.Generator) -> tuple[Array, Array]:
     """Newtons for each count, shape `(d, d)`, and counts at no force, shape `(d,)`.
 
     From weights in the jig, the beam parallel to the ground, before the sensor is mounted.
@@ -65,7 +63,7 @@ def calibrated(
     jig, ticks = spec.jig, round(spec.jig.seconds * spec.control.rate_hz)
     columns: list[Array] = []
     zeros: list[Array] = []
-    for axis in np.eye(dimension):
+    for axis in np.eye(len(gauges.sensitivity)):
         read: list[Array] = []
         for side in (1.0, -1.0):
             pull = side * turned(axis, jig.direction_tolerance * random.uniform(), random)

@@ -48,7 +48,9 @@ def save_film(
     path = Path(path)
     if path.suffix.lower() != ".html":
         raise ValueError(f"path: must end in .html (got {str(path)!r}); name it so")
-    document = _document(recording, result, model, world_from_model, tip_radius=tip_radius, unit_mm=unit_mm)
+    document = _document(
+        recording, result, model=model, pose=world_from_model, tip_radius=tip_radius, unit_mm=unit_mm
+    )
     page = resources.files("palpate.rig").joinpath("film.html").read_text(encoding="utf-8")
     # `</` would end the script that holds it.
     text = json.dumps(document, separators=(",", ":")).replace("</", "<\\/")
@@ -63,18 +65,18 @@ def save_film(
 def _document(
     recording: Recording,
     result: Result,
+    *,
     model: Model,
     pose: Array,
-    *,
     tip_radius: float,
     unit_mm: float,
 ) -> dict[str, Any]:
     d = model.dimension
-    times = recording.times
+    times = recording.column("time")
     rate = 1.0 / float(np.median(np.diff(times))) if len(times) > 1 else FRAMES_PER_SECOND
     every = max(1, round(rate / FRAMES_PER_SECOND))
     kept = slice(None, None, every)
-    forces = np.hypot.reduce(recording.forces, axis=1)
+    forces = np.hypot.reduce(recording.column("force"), axis=1)
     # No peak is left out between two frames.
     peaks = [float(forces[k : k + every].max()) for k in range(0, len(forces), every)]
     edges = [face for face in model.faces] if d == 2 else model.edges
@@ -86,8 +88,8 @@ def _document(
         "part": [_rounded(line) for line in lines],
         "radius": tip_radius,
         "times": _rounded(times[kept], 3),
-        "tips": _rounded(recording.tips[kept]),
-        "bases": _rounded(recording.bases[kept]),
+        "tips": _rounded(recording.column("tip")[kept]),
+        "bases": _rounded(recording.column("base")[kept]),
         "forces": _rounded(np.array(peaks)),
         "states": recording.states[kept].tolist(),
         "names": list(STATES),

@@ -32,8 +32,7 @@ class Gauges:
         self._electronics = electronics
         self._random = random
         d = dimension
-        spread = electronics.gain_spread
-        self.sensitivity = self._drawn_sensitivity(beam, d, random, spread)
+        self.sensitivity = self._drawn_sensitivity(beam, d)
         """Counts for each newton, shape `(d, d)`: row i is channel i."""
         self._offset = electronics.offset * random.uniform(-1.0, 1.0, d) * 2 ** (electronics.bits - 1)
         self._drift_signs = random.choice([-1.0, 1.0], (3, d)) * random.uniform(0.5, 1.0, (3, d))
@@ -41,15 +40,15 @@ class Gauges:
         self._time = 0.0
         self._crept = np.zeros(d)
 
-    def _drawn_sensitivity(self, beam: Beam, d: int, random: np.random.Generator, spread: float) -> Array:
-        electronics = self._electronics
+    def _drawn_sensitivity(self, beam: Beam, d: int) -> Array:
+        electronics, random = self._electronics, self._random
         axes = np.array(
             [turned(axis, electronics.axis_spread * random.uniform(), random) for axis in np.eye(d)]
         )
         # Volts of the bridge for a newton, and the gain that brings `full_scale` to the end of the range.
         bridge = electronics.excitation * electronics.gauge_factor * beam.strain_per_force / 2.0
         gain = electronics.range_volts / (bridge * electronics.full_scale)
-        volts = bridge * gain * (1.0 + spread * random.uniform(-1.0, 1.0, d))
+        volts = bridge * gain * (1.0 + electronics.gain_spread * random.uniform(-1.0, 1.0, d))
         return np.asarray(volts[:, None] * axes / count_volts(electronics))
 
     def read(self, forces: Array, seconds: float) -> Array:

@@ -12,7 +12,7 @@ from palpate.rig.bounds import quiet_counts
 from palpate.rig.calibration import Zero, calibrated
 from palpate.rig.gauges import Gauges, count_force
 from palpate.rig.plant import Plant
-from palpate.rig.recording import Recording, State
+from palpate.rig.recording import Recording, Row, State
 from palpate.rig.specification import RigSpec
 
 Array: TypeAlias = NDArray[np.float64]
@@ -44,15 +44,15 @@ class Sensed:
 class Machine:
     """One tick after another; every tick is recorded, and watched for what must not happen."""
 
-    def __init__(self, plant: Plant, gauges: Gauges, spec: RigSpec, random: np.random.Generator) -> None:
-        """Calibrate the gauges in the jig, then mount them; nothing moves yet."""
+    def __init__(self, plant: Plant, gauges: Gauges, spec: RigSpec, *, random: np.random.Generator) -> None:
+        """Calibrate the gauges in the jig, whose errors are `random`, then mount them; nothing moves yet."""
         self.plant = plant
         self.spec = spec
         self.tick_seconds = 1.0 / spec.control.rate_hz
         self.time = 0.0
         self.recording = Recording()
         self._gauges = gauges
-        self.newtons_per_count, first = calibrated(gauges, spec, random, plant.dimension)
+        self.newtons_per_count, first = calibrated(gauges, spec, random=random)
         self._quiet_counts = quiet_counts(spec)
         near = spec.control.guard_force / 2.0 / count_force(spec.electronics)
         self.zero = Zero(first, rate_hz=spec.control.rate_hz, near=near)
@@ -67,14 +67,15 @@ class Machine:
         counts = self._gauges.read(forces, self.tick_seconds)
         self.time += self.tick_seconds
         sensed = Sensed(counts, self.plant.encoders, self.force_of(counts), self.time)
-        self.recording.add(self.time, state, sensed.base, self.plant.tip, sensed.force, velocity)
+        plant = self.plant
+        self.recording.rows.append(
+            Row(self.time, state, sensed.base, sensed.force, velocity, plant.tip, plant.normal)
+        )
         if self.plant.stem_touches:
             raise RigFault("the stem touched the part before the tip did")
         most = self.spec.beam.most_force
         if not sensed.magnitude < most:
-            raise RigFault(
-                f"the beam bore {sensed.magnitude:.1f} N, more than the {most:g} N that it is made for"
-            )
+            raise RigFault(f"the beam bore {sensed.magnitude:.1f} N, and is made for {most:g} N")
         return sensed
 
     def force_of(self, counts: Array) -> Array:

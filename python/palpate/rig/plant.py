@@ -44,7 +44,7 @@ class Touching:
 
 
 class Plant:
-    """A part that lies fixed in the reach of a gantry with a sensor."""
+    """A part that lies fixed in the workspace of a gantry with a sensor."""
 
     def __init__(
         self,
@@ -52,14 +52,14 @@ class Plant:
         world_from_model: Array,
         spec: RigSpec,
         *,
-        reach: Array,
+        middle: Array,
         unit_mm: float,
         random: np.random.Generator,
     ) -> None:
-        """A plant whose tolerances are drawn from `random`; `reach` are corners in mm, shape `(2, d)`."""
+        """A plant whose tolerances are drawn from `random`; `middle` of its axes in mm, shape `(d,)`."""
         self.dimension = d = model.dimension
         self._mujoco = library("mujoco")
-        self._middle = reach.mean(axis=0)
+        self._middle = middle
         gantry = spec.gantry
         self._scale = 1.0 + gantry.scale_tolerance * random.uniform(-1.0, 1.0, d)
         self._axes = _axes(d, gantry.square_tolerance, random)
@@ -196,6 +196,14 @@ class Plant:
         return found
 
     @property
+    def normal(self) -> Array:
+        """Of the place on the tip that bears most, shape `(d,)`; NaN if nothing touches it."""
+        places = [place for place in self.touching if not place.on_stem] if self._state.ncon else []
+        if not places:
+            return np.full(self.dimension, np.nan)
+        return max(places, key=lambda place: place.force).normal
+
+    @property
     def stem_touches(self) -> bool:
         """Whether the stem's own contact is closed: it is wired as a switch."""
         contacts = self._state.contact
@@ -224,7 +232,7 @@ class Plant:
 
 
 def _axes(dimension: int, tolerance: float, random: np.random.Generator) -> Array:
-    """Directions of the axes, shape `(d, 3)`: each turned by up to the tolerance, in all, in the space used."""
+    """Directions of the axes, shape `(d, 3)`: each turned by up to the tolerance."""
     axes = np.eye(3)[:dimension]
     for row in axes:
         row[:dimension] = turned(row[:dimension].copy(), tolerance * random.uniform(), random)

@@ -14,7 +14,7 @@ from palpate.contacts.entry import mm_per
 from palpate.loop.route import workspace_of
 from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Reply, Skid, UnexpectedTouch
 from palpate.probe.simulated import point_of, sensor_entry, truth_entry
-from palpate.rig.bounds import MAX_INCIDENCE, REACH, Bounds, bounds_of, rig_sensor
+from palpate.rig.bounds import MAX_INCIDENCE, SIZE, Bounds, bounds_of, rig_sensor
 from palpate.rig.gauges import Gauges
 from palpate.rig.guarded import Line
 from palpate.rig.machine import Machine, RigFault
@@ -29,7 +29,7 @@ Array: TypeAlias = NDArray[np.float64]
 class RigProbe:
     """The thesis's manipulator and force sensor, simulated (appendix A, 4.3). Implements `palpate.Probe`.
 
-    The part lies fixed in the reach of the gantry. Contacts, normals and ways come from gauges and encoders
+    The part lies fixed in the workspace. Contacts, normals and ways come from gauges and encoders
     alone; their bounds are derived from the specification (`bounds`). After a contact or a skid the tip backs
     off a little, the way it came. After a fault the rig moves no more.
 
@@ -44,7 +44,7 @@ class RigProbe:
         sensor: Sensor | None = None,
         *,
         spec: RigSpec | None = None,
-        reach: ArrayLike | None = None,
+        workspace: ArrayLike | None = None,
         unit: str = "mm",
         seed: int = 0,
     ) -> None:
@@ -56,8 +56,8 @@ class RigProbe:
             sensor: Bounds that replies claim, no smaller than the derived ones, in `unit`; None: those,
                 `rig_sensor`. Its largest incidence is the rig's, its tip radius that of the bearing.
             spec: What the rig is built of, in mm, N and s; the thesis's if not given.
-            reach: Two opposite corners, shape `(2, d)`, in `unit`: where the tip can go. 290 × 320 (× 200) mm
-                from the origin if not given.
+            workspace: Two opposite corners, shape `(2, d)`, in `unit`; the axes go a little beyond.
+                290 × 320 (× 200) mm from the origin if not given.
             unit: Of the model and of all places.
             seed: Chooses what tolerances leave open, and all noise.
 
@@ -74,21 +74,29 @@ class RigProbe:
         d = model.dimension
         model.distance(world_from_model, np.zeros(d))  # refuses what is no pose
         self._mm = mm_per(unit, "unit")
-        away = np.zeros((2, d)) if reach is None else workspace_of(reach, d) * self._mm
-        self._reach = np.array([np.zeros(d), REACH[d]]) if reach is None else away
+        if workspace is None:
+            corners = np.array([np.zeros(d), SIZE[d]])
+        else:
+            corners = workspace_of(workspace, d) * self._mm
+        self._workspace = corners
         self._model, self._spec, self._seed = model, spec, seed
         self._world_from_model = np.array(world_from_model, dtype=float)
         incidence = MAX_INCIDENCE if sensor is None else sensor.max_incidence
-        travel = tuple(float(way) for way in np.ptp(self._reach, axis=0))
-        self._bounds = bounds_of(spec, dimension=d, reach=travel, max_incidence=incidence)
-        derived = rig_sensor(spec, dimension=d, reach=travel, max_incidence=incidence, unit=unit)
+        size = tuple(float(side) for side in np.ptp(corners, axis=0))
+        self._bounds = bounds_of(spec, dimension=d, size=size, max_incidence=incidence)
+        derived = rig_sensor(spec, dimension=d, size=size, max_incidence=incidence, unit=unit)
         self._sensor = derived if sensor is None else _claimed(sensor, derived)
         drawn = [np.random.default_rng([seed, 2, k]) for k in range(3)]
         plant = Plant(
-            model, self._world_from_model, spec, reach=self._reach, unit_mm=self._mm, random=drawn[0]
+            model,
+            self._world_from_model,
+            spec,
+            middle=corners.mean(axis=0),
+            unit_mm=self._mm,
+            random=drawn[0],
         )
         gauges = Gauges(spec.beam, spec.electronics, dimension=d, random=drawn[1])
-        self._machine = Machine(plant, gauges, spec, drawn[2])
+        self._machine = Machine(plant, gauges, spec, random=drawn[2])
         self._outer = OuterLoop(self._machine, self._bounds)
         self._position: Array | None = None
         self._broken: str | None = None
@@ -132,7 +140,7 @@ class RigProbe:
             **truth_entry(self._model, self._world_from_model),
             "rig": asdict(self._spec),
             "sensor": sensor_entry(self._sensor),
-            "reach": (self._reach / self._mm).tolist(),
+            "workspace": (self._workspace / self._mm).tolist(),
             "seed": self._seed,
         }
 
@@ -249,12 +257,12 @@ class RigProbe:
 
     def _place_of(self, argument: str, value: ArrayLike) -> Array:
         place = point_of(argument, value, self._model.dimension) * self._mm
-        slack = 1e-6
-        if (place < self._reach[0] - slack).any() or (place > self._reach[1] + slack).any():
-            low, high = (corner / self._mm for corner in self._reach)
+        overrun = self._spec.gantry.overrun
+        low, high = self._workspace[0] - overrun, self._workspace[1] + overrun
+        if (place < low).any() or (place > high).any():
             raise ValueError(
                 f"{argument}: is out of reach (got {np.asarray(value).tolist()}); the gantry goes from "
-                f"{low.tolist()} to {high.tolist()}: give another place, or another reach"
+                f"{(low / self._mm).tolist()} to {(high / self._mm).tolist()}: give another place, or workspace"
             )
         return place
 
@@ -278,8 +286,9 @@ def _claimed(sensor: Sensor, least: Sensor) -> Sensor:
     normal = sensor.normal_error
     if normal is not None and least.normal_error is not None and normal < least.normal_error:
         raise ValueError(
-            f"sensor: its normal_error must hold for the rig, at least {math.degrees(least.normal_error):.4g}° "
-            f"(got {math.degrees(normal):g}°); give more, or a better spec"
+            "sensor: its normal_error must hold for the rig, at least "
+            f"{math.degrees(least.normal_error):.4g}° (got {math.degrees(normal):g}°); "
+            "give more, or a better spec"
         )
     if not math.isclose(sensor.tip_radius, least.tip_radius, rel_tol=1e-9):
         raise ValueError(

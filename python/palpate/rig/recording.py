@@ -26,48 +26,40 @@ class Segment:
     """Name of the class of the reply; `None` of a free move that touched nothing."""
 
 
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A tick. Lengths in mm, forces in N, times in s; places and directions of shape `(d,)`."""
+
+    time: float
+    """At the end of the tick."""
+    state: State
+    base: Array
+    """Where encoders have the tip, if it were not bent."""
+    force: Array
+    """As sensed, on the tip."""
+    velocity: Array
+    """As commanded, mm/s."""
+    tip: Array
+    """Where the tip's centre truly is."""
+    normal: Array
+    """True one of the place that bears most; NaN where nothing touches."""
+
+
 class Recording:
-    """Grows by a row at every tick. Lengths in mm, forces in N, times in s."""
+    """Grows by a row at every tick."""
 
     def __init__(self) -> None:
-        self._rows: list[tuple[float, int, Array, Array, Array, Array]] = []
+        self.rows: list[Row] = []
         self.segments: list[Segment] = []
 
-    def add(  # noqa: PLR0917 - a row, in the order of the properties
-        self, time: float, state: State, base: Array, tip: Array, force: Array, velocity: Array
-    ) -> None:
-        """A tick."""
-        self._rows.append((time, STATES.index(state), base, tip, force, velocity))
-
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self.rows)
 
-    @property
-    def times(self) -> Array:
-        """At the end of each tick, shape `(n,)`."""
-        return np.array([row[0] for row in self._rows])
+    def column(self, name: Literal["time", "base", "force", "velocity", "tip", "normal"]) -> Array:
+        """A field of all rows, shape `(n,)` or `(n, d)`."""
+        return np.array([getattr(row, name) for row in self.rows])
 
     @property
     def states(self) -> NDArray[np.int64]:
         """Numbers in `STATES`, shape `(n,)`."""
-        return np.array([row[1] for row in self._rows], dtype=np.int64)
-
-    @property
-    def bases(self) -> Array:
-        """Where encoders have the tip, if it were not bent, shape `(n, d)`."""
-        return np.array([row[2] for row in self._rows])
-
-    @property
-    def tips(self) -> Array:
-        """Where the tip's centre truly was, shape `(n, d)`."""
-        return np.array([row[3] for row in self._rows])
-
-    @property
-    def forces(self) -> Array:
-        """As sensed, on the tip, shape `(n, d)`."""
-        return np.array([row[4] for row in self._rows])
-
-    @property
-    def velocities(self) -> Array:
-        """As commanded, shape `(n, d)`, mm/s."""
-        return np.array([row[5] for row in self._rows])
+        return np.array([STATES.index(row.state) for row in self.rows], dtype=np.int64)

@@ -72,7 +72,7 @@ class Jig:
     seconds: float = 1.0
     """For which each weight is read."""
     stiffness_tolerance: float = 0.03
-    """Of the tip's true stiffness, beam, gripper and arm together: how far from the beam's own, as a share."""
+    """Of the tip's true stiffness, arm and gripper included: how far from the beam's own, as a share."""
 
 
 @dataclass(frozen=True)
@@ -87,10 +87,12 @@ class Gantry:
     """Bandwidth of the velocity servo, critically damped."""
     most_drive: float = 150.0
     """Of a motor, N."""
+    overrun: float = 30.0
+    """That the tip can go beyond the workspace, to either side: paths may end there."""
     resolution: float = 0.02
     """Step of the encoders."""
     scale_tolerance: float = 1e-4
-    """Of an axis, as a share of the way from the middle of the reach."""
+    """Of an axis, as a share of the way from its middle."""
     square_tolerance: float = 2e-4
     """How far axes are from square, radians."""
 
@@ -197,6 +199,7 @@ _MAY_BE_ZERO = {
     "friction",
     "scale_tolerance",
     "square_tolerance",
+    "overrun",
 }
 _LESS_THAN_HALF = {"gain_spread", "axis_spread", "offset", "creep", "stiffness_tolerance"}
 
