@@ -217,7 +217,7 @@ class OuterLoop:
             RigFault: It still touches.
         """
         machine, control = self.machine, self._control
-        self.go(met.line.at(max(0.0, depth - control.back_off)), speed=control.guard_speed, state="back off")
+        self.go(met.line.at(max(0.0, depth - control.back_off)), speed=control.back_speed, state="back off")
         machine.rest(control.quiet, "zero")
         read = machine.averaged(machine.rest(control.reading, "zero"))
         if read.magnitude > control.guard_force:

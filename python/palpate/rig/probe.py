@@ -262,7 +262,7 @@ class RigProbe:
         if (place < low).any() or (place > high).any():
             raise ValueError(
                 f"{argument}: is out of reach (got {np.asarray(value).tolist()}); the gantry goes from "
-                f"{(low / self._mm).tolist()} to {(high / self._mm).tolist()}: give another place, or workspace"
+                f"{(low / self._mm).tolist()} to {(high / self._mm).tolist()}: give another place"
             )
         return place
 

@@ -142,6 +142,8 @@ class Control:
     """By how much it may seem to, elsewhere."""
     back_off: float = 2.0
     """mm, from the contact, to take the zero."""
+    back_speed: float = 20.0
+    """mm/s, at which it does."""
     zero_within: float = 1.5
     """s: the zero is taken so soon after the reading."""
     rock_within: float = 2.0
