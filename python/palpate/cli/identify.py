@@ -8,28 +8,28 @@ from typing import Any, cast
 
 import numpy as np
 
-from palpate import Model, Result, Sensor, SimulatedProbe, load_models, random_contacts
+from palpate import Model, Result, load_models, random_contacts
 from palpate import identify as identify_part
 from palpate import replay as replay_run
-from palpate.cli import identify_options, options, plan_options
+from palpate.cli import identify_options, options, plan_options, rig_options
 from palpate.cli.console import patiently, results
 from palpate.cli.documents import print_document
 from palpate.cli.parts import Parts, load_parts, part_notes
 from palpate.cli.plan_report import sensor_words
-from palpate.cli.recognize import pose_of, prior_of
+from palpate.cli.probes import SensorFlags, rig, simulated
+from palpate.cli.recognize import prior_of
+from palpate.cli.rig_options import RigFlags
+from palpate.cli.rig_report import draw_rig
 from palpate.cli.run_report import Story, check_run_picture, draw_run, print_result, result_document
 from palpate.contacts import Evidence, read_contacts
 from palpate.loop.reading import read_log, settings_of_log
-from palpate.loop.route import Array, workspace_of
+from palpate.loop.route import Array
 from palpate.loop.settings import MAX_TOUCHES
-from palpate.probe import Noise as NoiseName
-from palpate.probe import random_pose
+from palpate.probe import Noise
+from palpate.rig import Recording, RigProbe, phases_of
 from palpate.rotations import vector_of
 from palpate.truth import number_of_truth
-from palpate.usual import MAX_INCIDENCE_DEG, POSITION_ERROR
-
-ACROSS = {2: 3.0, 3: 2.0}  # the workspace in sizes of the largest part, if it is not given
-ROOM = 0.02  # of the part, between it and the border, at a random pose
+from palpate.usual import MAX_INCIDENCE_DEG
 
 
 def identify(
@@ -38,14 +38,14 @@ def identify(
     probe: identify_options.Probe = "sim",
     truth: identify_options.Truth = None,
     pose: identify_options.Pose = "random",
-    noise: identify_options.Noise = "uniform",
-    overtravel: identify_options.Overtravel = 0.0,
-    position_error: identify_options.PositionError = POSITION_ERROR,
+    noise: identify_options.Noise = None,
+    overtravel: identify_options.Overtravel = None,
+    position_error: identify_options.PositionError = None,
     normal_error_deg: identify_options.NormalErrorDeg = None,
     no_normal: identify_options.NoNormal = False,
     max_incidence_deg: plan_options.MaxIncidenceDeg = MAX_INCIDENCE_DEG,
-    tip_radius: identify_options.TipRadius = 0.0,
-    path_error: identify_options.PathError = 0.0,
+    tip_radius: identify_options.TipRadius = None,
+    path_error: identify_options.PathError = None,
     workspace: plan_options.Workspace = None,
     prior_pose: options.PriorPose = None,
     prior_translation: options.PriorTranslation = None,
@@ -71,13 +71,21 @@ def identify(
     flattening: options.Flattening = None,
     position_slack: options.PositionSlack = 0.0,
     normal_slack_deg: options.NormalSlackDeg = 0.0,
+    guard_speed: rig_options.GuardSpeed = None,
+    free_speed: rig_options.FreeSpeed = None,
+    press_force: rig_options.PressForce = None,
+    rate_hz: rig_options.RateHz = None,
+    without: rig_options.Without = None,
+    record: rig_options.Record = None,
+    film: rig_options.Film = None,
     plot: identify_options.Plot = None,
     json: options.Json = False,
 ) -> None:
     """Which part it is and where, by touch: acquire, recognize, plan, touch, recognize anew.
 
     A workspace not given is about the pose or the origin: a square of three sizes of the largest part, in
-    space a cube of two.
+    space a cube of two. That of the rig has 290 × 320 mm, in space a height of 200; there it probes
+    from above unless --directions says otherwise.
 
     Exit code 0: there is an answer, whatever its status; 2: bad input.
     """
@@ -99,20 +107,26 @@ def identify(
             f"--truth: {lying.name} has {lying.dimension} dimensions, {parts.models[0].name} has "
             f"{dimension}; name a part with as many"
         )
-    size = max(model.size for model in [*parts.models, lying])
-    area = _workspace(workspace, pose, size=size, dimension=dimension)
-    normal_error_deg = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)
-    normal_error = None if normal_error_deg is None else math.radians(normal_error_deg)
-    sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
-    world_from_truth = _pose(pose, lying, workspace=area, sensor=sensor, seed=seed)
-    simulated = SimulatedProbe(
-        lying,
-        world_from_truth,
-        sensor,
-        seed=seed,
-        noise=cast(NoiseName, noise),
-        overtravel=overtravel,
+    degrees = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)
+    felt = SensorFlags(
+        position_error, normal_error_deg, not no_normal, max_incidence_deg, tip_radius, path_error
     )
+    flags = RigFlags(guard_speed, free_speed, press_force, rate_hz, without, record, film)
+    given: dict[str, Any] = {
+        "workspace": workspace,
+        "pose": pose,
+        "directions": plan_options.directions_of(directions, dimension),
+        "seed": seed,
+    }
+    if probe == "rig":
+        _check_unused(noise=noise, overtravel=overtravel)
+        flags.check_files()
+        bench = rig(lying, felt, flags, unit=unit, **given)
+    else:
+        flags.check_unused()
+        size = max(model.size for model in [*parts.models, lying])
+        bench = simulated(lying, felt, size=size, noise=noise, overtravel=overtravel, **given)
+    sensor, area = bench.sensor, bench.workspace
     evidence = Evidence([], [])
     if contacts is not None:
         if drawn is not None:
@@ -120,14 +134,19 @@ def identify(
         evidence = read_contacts(
             contacts,
             unit=unit,
-            position_error=position_error,
-            normal_error_deg=normal_error_deg,
-            tip_radius=tip_radius,
-            path_error=path_error or None,
+            position_error=sensor.position_error,
+            normal_error_deg=degrees,
+            tip_radius=sensor.tip_radius,
+            path_error=sensor.path_error or None,
         )
     elif drawn is not None:
         first = random_contacts(
-            lying, world_from_truth, sensor, count=drawn, seed=seed, noise=cast(NoiseName, noise)
+            lying,
+            bench.world_from_truth,
+            sensor,
+            count=drawn,
+            seed=seed,
+            noise=cast(Noise, noise or "uniform"),
         )
         evidence = Evidence(first, [])
     prior = prior_of(
@@ -144,7 +163,7 @@ def identify(
         "blind": blind,
         "planner": planner,
         "stop": plan_options.stop_of(stop),
-        "directions": plan_options.directions_of(directions, dimension),
+        "directions": bench.directions,
         "effort": effort,
         "time_limit": time_limit,
         "features": None if features is None else tuple(features.split(",")),
@@ -162,14 +181,19 @@ def identify(
     heading = f"sensor: {sensor_words(sensor, unit=unit)}"
     story = None if json else Story(console, size=smallest, heading=heading)
     result = patiently(
-        lambda: identify_part(parts.models, simulated, sensor, area, told=story, **settings),
+        lambda: identify_part(parts.models, bench.probe, sensor, area, told=story, **settings),
         saying="identifying",
     )
     if story is not None:
         story.begin()
-    _show(result, parts, unit=unit, plot=plot, json=json, console=console)
+    recording = bench.probe.recording if isinstance(bench.probe, RigProbe) else None
+    _show(result, parts, unit=unit, plot=plot, json=json, console=console, recording=recording)
     if not json:
-        console.print(_verdict(result, lying, world_from_truth), soft_wrap=True)
+        console.print(_verdict(result, lying, bench.world_from_truth), soft_wrap=True)
+    if isinstance(bench.probe, RigProbe):
+        for told in draw_rig(result, bench.probe, flags, truth=lying, pose=bench.world_from_truth, unit=unit):
+            if not json:
+                console.print(told, markup=False)
 
 
 def replay(
@@ -189,18 +213,43 @@ def replay(
     _show(result, parts, unit=settings.unit, plot=plot, json=json, console=console)
 
 
-def _show(result: Result, parts: Parts, *, unit: str, plot: Path | None, json: bool, console: Any) -> None:
+def _show(
+    result: Result,
+    parts: Parts,
+    *,
+    unit: str,
+    plot: Path | None,
+    json: bool,
+    console: Any,
+    recording: Recording | None = None,
+) -> None:
+    phases = None if recording is None else phases_of(result, recording)
     if json:
-        print_document(result_document(result, parts.models, unit=unit))
+        print_document(result_document(result, parts.models, unit=unit, phases=phases))
     else:
         size = min(model.size for model in parts.models)
         notes = part_notes(parts, unit=unit)
         print_result(console, result, parts.labels, notes=notes, unit=unit, size=size)
+        if phases is not None:
+            console.print(
+                f"The rig took {phases.initial_data:.0f} s for the initial data and {phases.execution:.0f} s "
+                "from there on, simulated."
+            )
     console.file.flush()
     if plot is not None:
         drawn = draw_run(result, plot, unit=unit, labels=parts.labels)
         if not json:
             console.print(f"pictures: {plot}" if len(drawn) > 1 else f"picture: {plot}", markup=False)
+
+
+def _check_unused(**given: Any) -> None:
+    """Flags of the other probe."""
+    for name, value in given.items():
+        if value is not None:
+            raise ValueError(
+                f"--{name} {value}: is of --probe sim; the rig's errors follow from how it is built: "
+                "leave it out"
+            )
 
 
 def part_that_lies_there(parts: Parts, name: str | None, *, unit: str) -> Model:
@@ -212,35 +261,6 @@ def part_that_lies_there(parts: Parts, name: str | None, *, unit: str) -> Model:
     if len(loaded) != 1:
         raise ValueError(f"--truth: {name!r} names {len(loaded)} models; name one")
     return loaded[0]
-
-
-def _workspace(text: str | None, pose: str, *, size: float, dimension: int) -> Array:
-    corners = plan_options.workspace_of(text, dimension)
-    if corners is not None:
-        return workspace_of(corners, dimension)
-    known = pose != "random"
-    middle = pose_of(pose, "--pose", dimension)[:-1, -1] if known else np.zeros(dimension)
-    half = ACROSS[dimension] / 2 * size
-    return np.array([middle - half, middle + half])
-
-
-def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: int) -> Array:
-    """That of the flag, or a random one at which the part lies inside of the workspace."""
-    if text != "random":
-        world_from_model = pose_of(text, "--pose", model.dimension)
-        placed = model.vertices @ world_from_model[:-1, :-1].T + world_from_model[:-1, -1]
-        if (placed < workspace[0]).any() or (placed > workspace[1]).any():
-            raise ValueError(
-                f"--pose: {model.name} does not lie within the workspace (got {text}); "
-                "give another pose, or a larger --workspace"
-            )
-        return world_from_model
-    random = np.random.default_rng([seed, 1])
-    room = ROOM * model.size + 2.0 * sensor.tip_radius + sensor.path_error
-    try:
-        return random_pose(model, workspace, room=room, random=random)
-    except ValueError as error:
-        raise ValueError(f"--{error}") from None
 
 
 def _verdict(result: Result, truth: Model, world_from_truth: Array) -> str:

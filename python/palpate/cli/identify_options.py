@@ -11,8 +11,9 @@ import typer
 from palpate.cli import options
 from palpate.cli.options import numbers_of
 from palpate.cli.plan_options import one_of
-from palpate.usual import NORMAL_ERROR_DEG
+from palpate.usual import NORMAL_ERROR_DEG, POSITION_ERROR
 
+PROBES = ("sim", "rig")
 NOISES = ("uniform", "bounds", "none")
 
 
@@ -48,8 +49,10 @@ def normal_error_deg_of(degrees: float | None, *, no_normal: bool) -> float | No
 
 def probe(text: str) -> str:
     """The name of a probe."""
-    if text != "sim":
-        raise typer.BadParameter(f"must be sim; equipment of your own is for Python (got {text!r})")
+    if text not in PROBES:
+        raise typer.BadParameter(
+            f"must be {' or '.join(PROBES)}; equipment of your own is for Python (got {text!r})"
+        )
     return text
 
 
@@ -58,7 +61,8 @@ Probe = Annotated[
     typer.Option(
         parser=probe,
         metavar="NAME",
-        help="sim: a simulated one. Equipment of your own is for Python.",
+        help="sim: a simulated one, with errors within bounds. rig: the thesis's rig in a physics engine, "
+        "with bounds that follow from how it is built. Equipment of your own is for Python.",
         rich_help_panel="Simulation",
     ),
 ]
@@ -81,30 +85,33 @@ Pose = Annotated[
     ),
 ]
 Noise = Annotated[
-    str,
+    str | None,
     typer.Option(
         parser=one_of(NOISES),
         metavar="NAME",
-        help="Errors of readings: uniform within the bounds, at the bounds, or none.",
+        help="Errors of readings of sim: uniform within the bounds, at the bounds, or none.",
         rich_help_panel="Simulation",
+        show_default="uniform",
     ),
 ]
 Overtravel = Annotated[
-    float,
+    float | None,
     typer.Option(
         parser=options.length,
         metavar="LENGTH",
-        help="The tip presses on by up to this before it is read; a part of the position error.",
+        help="The tip of sim presses on by up to this before it is read; a part of the position error.",
         rich_help_panel="Simulation",
+        show_default="0",
     ),
 ]
 PositionError = Annotated[
-    float,
+    float | None,
     typer.Option(
         parser=options.length,
         metavar="LENGTH",
         help="Bound on the error of the sensed place.",
         rich_help_panel="Sensor",
+        show_default=f"{POSITION_ERROR:g}; of the rig, derived",
     ),
 ]
 NormalErrorDeg = Annotated[
@@ -114,7 +121,7 @@ NormalErrorDeg = Annotated[
         metavar="DEG",
         help="Bound on the error of the sensed normal.",
         rich_help_panel="Sensor",
-        show_default=f"{NORMAL_ERROR_DEG:g}",
+        show_default=f"{NORMAL_ERROR_DEG:g}; of the rig, derived",
     ),
 ]
 NoNormal = Annotated[
@@ -122,16 +129,23 @@ NoNormal = Annotated[
     typer.Option("--no-normal", metavar="", help="Readings have no normal.", rich_help_panel="Sensor"),
 ]
 TipRadius = Annotated[
-    float,
-    typer.Option(parser=options.length, metavar="LENGTH", help="Of the tip.", rich_help_panel="Sensor"),
-]
-PathError = Annotated[
-    float,
+    float | None,
     typer.Option(
         parser=options.length,
         metavar="LENGTH",
-        help="How far the tip may leave its line; not given, or 0: as far as the position error.",
+        help="Of the tip; of the rig, its bearing.",
         rich_help_panel="Sensor",
+        show_default="0; of the rig, 5 mm",
+    ),
+]
+PathError = Annotated[
+    float | None,
+    typer.Option(
+        parser=options.length,
+        metavar="LENGTH",
+        help="How far the tip may leave its line; 0: as far as the position error.",
+        rich_help_panel="Sensor",
+        show_default="0; of the rig, derived",
     ),
 ]
 ContactsFile = Annotated[

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from palpate.cli.report import decimal, print_recognition
 from palpate.contacts import Evidence
 from palpate.loop.entries import contact_entry, miss_entry, path_told, reply_event
 from palpate.loop.result import PURPOSES, hypotheses_words
+from palpate.rig.phases import Phases
 
 STATUS = {
     "solved": "green",
@@ -92,8 +94,10 @@ def print_result(
         print_recognition(console, result.found, evidence=evidence, labels=labels, notes=notes, unit=unit)
 
 
-def result_document(result: Result, models: Sequence[Model], *, unit: str) -> dict[str, Any]:
-    """The `palpate-result` document."""
+def result_document(
+    result: Result, models: Sequence[Model], *, unit: str, phases: Phases | None = None
+) -> dict[str, Any]:
+    """The `palpate-result` document; of a run through the rig with its `phases`."""
     found = None
     if result.found is not None:
         count = len(result.contacts)
@@ -113,6 +117,7 @@ def result_document(result: Result, models: Sequence[Model], *, unit: str) -> di
         "steps": [_step(step) for step in result.steps],
         "found": found,
         "seconds": {"recognition": result.recognition_time, "planning": result.planning_time},
+        **({} if phases is None else {"rig_seconds": asdict(phases)}),
     }
 
 

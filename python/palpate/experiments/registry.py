@@ -7,6 +7,9 @@ from palpate.experiments import (
     drill,
     object_pairs,
     random_data,
+    rig_control,
+    rig_drill,
+    rig_sensor,
     space_planners,
     standard_points,
     thesis_figures,
@@ -21,6 +24,9 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figures": thesis_figures.EXPERIMENT,
     **campaign_loop.EXPERIMENTS,
     "planners": space_planners.EXPERIMENT,
+    "rig-sensor": rig_sensor.EXPERIMENT,
+    "rig-control": rig_control.EXPERIMENT,
+    "rig-drill": rig_drill.EXPERIMENT,
 }
 
 ALL = "all"

@@ -8,6 +8,7 @@ from palpate.plots.ambiguity import plot_ambiguity_tree
 from palpate.plots.lines import plot_lines
 from palpate.plots.paths import plot_path
 from palpate.plots.pictures import plot_models, plot_pose_range, plot_recognition
+from palpate.plots.recordings import plot_recording
 from palpate.plots.runs import plot_run, plot_turning_point
 from palpate.plots.sheaves import plot_projection_space
 from palpate.plots.style import save_figure
@@ -20,6 +21,7 @@ __all__ = [
     "plot_pose_range",
     "plot_projection_space",
     "plot_recognition",
+    "plot_recording",
     "plot_run",
     "plot_turning_point",
     "save_figure",

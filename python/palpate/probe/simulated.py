@@ -85,11 +85,8 @@ class SimulatedProbe:
     @property
     def simulation(self) -> dict[str, Any]:
         """All that the answers depend on beside the moves, as JSON."""
-        drawn = json.dumps(document_of(self._model, "mm"), sort_keys=True)  # lengths are as they are
         return {
-            "truth": self._model.name,
-            "truth_sha256": hashlib.sha256(drawn.encode()).hexdigest(),
-            "world_from_model": self._world_from_model.tolist(),
+            **truth_entry(self._model, self._world_from_model),
             "sensor": sensor_entry(self._sensor),
             "believed": sensor_entry(self._believed),
             "noise": self._noise,
@@ -241,6 +238,16 @@ def random_pose(model: Model, workspace: Array, *, room: float, random: np.rando
         f"workspace: {model.name!r} has no room in it (got none of {MOST_TURNS} random rotations); "
         "give a larger one"
     )
+
+
+def truth_entry(model: Model, world_from_model: Array) -> dict[str, Any]:
+    """The part and its pose as JSON."""
+    drawn = json.dumps(document_of(model, "mm"), sort_keys=True)  # lengths are as they are
+    return {
+        "truth": model.name,
+        "truth_sha256": hashlib.sha256(drawn.encode()).hexdigest(),
+        "world_from_model": world_from_model.tolist(),
+    }
 
 
 def sensor_entry(sensor: Sensor) -> dict[str, Any]:
