@@ -9,6 +9,7 @@ from typing import Annotated
 
 import numpy as np
 import typer
+from numpy.typing import ArrayLike
 
 from palpate.cli import options
 from palpate.contacts.entry import mm_per
@@ -154,8 +155,8 @@ class RigFlags:
         return without_errors(spec, *(() if self.without is None else self.without.split(",")))
 
 
-def rig_workspace(workspace: Array | None, *, unit: str, dimension: int) -> Array:
+def rig_workspace(workspace: ArrayLike | None, *, unit: str, dimension: int) -> Array:
     """The workspace, or that of the thesis's rig, in the unit."""
     if workspace is not None:
-        return workspace
+        return np.asarray(workspace, dtype=float)
     return np.array([np.zeros(dimension), SIZE[dimension]]) / mm_per(unit, "unit")

@@ -194,8 +194,8 @@ def markdown(rows: list[Row]) -> str:
             table(
                 ["speed", "moves", "pressed on", "at most", "force", "error of the place", "faults"], cells
             ),
-            "Steps at 60 Hz, with the gains of the rig and with more. Settled: from then on within 5 % of the "
-            "step; overshoot beyond it.",
+            "Steps at 60 Hz, with the gains of the rig and with more. Settled: from then on within 5 % of "
+            "the step; overshoot beyond it.",
             table(["control", "step", "gains", "settled after", "overshoot"], steps),
         ]
     )

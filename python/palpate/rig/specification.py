@@ -180,7 +180,8 @@ def without_errors(spec: RigSpec, *names: str) -> RigSpec:
     for name in names:
         if name not in ("drift", "creep", "noise"):
             raise ValueError(f'names: unknown (got {name!r}); give some of "drift", "creep" and "noise"')
-    return replace(spec, electronics=replace(spec.electronics, **dict.fromkeys(names, 0.0)))
+    none: dict[str, Any] = dict.fromkeys(names, 0.0)
+    return replace(spec, electronics=replace(spec.electronics, **none))
 
 
 BURSTS = 4
