@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs site bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners view-speed tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs site bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners view-speed tune-figures rig-figures table-no-normals experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -125,6 +125,10 @@ view-speed: .venv/.built .venv/.test .venv/.chromium ## from click to picture in
 tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs/closed-loop.md (some minutes)
 	$(BIN)/python -m palpate.experiments.tune_page docs/closed-loop.md $(ARGS)
 
+rig-figures: .venv/.built .venv/.sim ## the rig: 4,500 contacts, its control, 204 loops; in docs/rig.md (half an hour)
+	for name in rig-sensor rig-control rig-drill; do $(BIN)/palpate experiment $$name --out target/rig $(ARGS) || exit; done
+	$(BIN)/python -m palpate.experiments.thesis target/rig docs/rig.md --rig
+
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
 
@@ -168,7 +172,7 @@ clean: ## remove what was built, .venv and .venv-peers included
 	@touch $@
 
 # palpate itself is installed by now, so that these add only what its extras name.
-.venv/.test .venv/.dev .venv/.docs .venv/.cluster .venv/.parts: .venv/.%: pyproject.toml | .venv/.built
+.venv/.test .venv/.dev .venv/.docs .venv/.cluster .venv/.parts .venv/.sim: .venv/.%: pyproject.toml | .venv/.built
 	@echo "installing what $* needs"
 	@$(PIP) 'palpate[$*]'
 	@touch $@

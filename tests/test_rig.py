@@ -1,4 +1,4 @@
-"""The rig: its beam, errors of its sensor against the derived bounds, its control, and the loop through it."""
+"""The rig: its beam, errors of its sensor against the derived bounds, its control, the loop through it."""
 
 import math
 import re
@@ -105,7 +105,7 @@ def test_a_better_sensor_has_smaller_bounds(missing):
     assert (fewer.normal_error < every.normal_error) == bool(missing)
 
 
-@pytest.mark.parametrize("number", range(27))
+@pytest.mark.parametrize("number", range(54))
 def test_readings_are_within_the_derived_bounds(number):
     """A slice of `rig-sensor`: all kinds of errors, in the plane and in space, against the physics."""
     row = rig_sensor.task(number)
@@ -218,15 +218,21 @@ def test_the_loop_through_the_rig_loses_nothing(number):
     assert row["initial_data"] > 0.0
 
 
-def test_solids_are_found_through_three_axes():
-    model = palpate.load_models(["l-bracket"])[0]
+@pytest.mark.parametrize("number", range(len(palpate.solid_part_names())))
+def test_solids_are_touched_through_three_axes(number):
+    """From above, in the middle of the highest triangle that looks up."""
+    model = palpate.bundled_solids()[number]
     pose = np.eye(4)
     pose[:3, 3] = [145.0, 160.0, 40.0] - (model.vertices.min(axis=0) + model.vertices.max(axis=0)) / 2.0
+    middles = model.vertices[model.triangles].mean(axis=1) + pose[:3, 3]
+    level = np.asarray(model.face_normals)[model.triangle_faces][:, 2] > 0.999
+    x, y, z = max(middles[level], key=lambda middle: middle[2])
     probe = RigProbe(model, pose, seed=2)
-    contact = probe.touch([145.0, 160.0, 190.0], [145.0, 160.0, 20.0]).contact
-    met = model.first_contact(pose, [145.0, 160.0, 190.0], [0.0, 0.0, -1.0], 5.0)
-    assert math.dist(contact.center, met.center) <= probe.bounds.position_error
-    assert math.acos(min(1.0, float(contact.normal @ met.normal))) <= probe.bounds.normal_error
+    reply = probe.touch([x, y, z + 40.0], [x, y, z - 10.0])
+    assert isinstance(reply, palpate.Hit)
+    met = model.first_contact(pose, [x, y, z + 40.0], [0.0, 0.0, -1.0], 5.0)
+    assert math.dist(reply.contact.center, met.center) <= probe.bounds.position_error
+    assert math.acos(min(1.0, float(reply.contact.normal @ met.normal))) <= probe.bounds.normal_error
 
 
 def test_pieces_are_convex_and_fill_the_part():
