@@ -14,7 +14,7 @@ RUST := $(shell find crates -name '*.rs' -path '*/src/*') $(shell find crates -n
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners tune-figures table-no-normals experiments wheel clean
+.PHONY: help setup demo test test-rust test-python check fmt lint-rust lint-python docs bench speed speed-space accuracy campaign-plane parts campaign-space campaign-no-normals bench-peers campaign-plan promises promises-space planning-figures campaign-loop campaign-loop-space experiment-planners tune-figures table-no-normals rig-figures experiments wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -125,6 +125,10 @@ tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
 
+rig-figures: .venv/.built .venv/.sim ## the simulated rig: its sensor, its control, 204 closed loops; writes docs/rig.md; resumes
+	for name in sensor control drill; do $(BIN)/palpate experiment rig-$$name --out target/rig $(ARGS) || exit 1; done
+	$(BIN)/python -m palpate.experiments.rig_page target/rig docs/rig.md
+
 experiments: .venv/.built ## the thesis's tables and figures; an HTML page, and docs/experiments.md anew (minutes)
 	rm -rf target/experiments
 	$(BIN)/palpate experiment all --out target/experiments $(ARGS)
@@ -163,7 +167,7 @@ clean: ## remove what was built, .venv and .venv-peers included
 	@touch $@
 
 # palpate itself is installed by now, so that these add only what its extras name.
-.venv/.test .venv/.dev .venv/.docs .venv/.cluster .venv/.parts: .venv/.%: pyproject.toml | .venv/.built
+.venv/.test .venv/.dev .venv/.docs .venv/.cluster .venv/.parts .venv/.sim: .venv/.%: pyproject.toml | .venv/.built
 	@echo "installing what $* needs"
 	@$(PIP) 'palpate[$*]'
 	@touch $@
