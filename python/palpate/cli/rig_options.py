@@ -154,8 +154,6 @@ class RigFlags:
         return without_errors(spec, *(() if self.without is None else self.without.split(",")))
 
 
-def rig_workspace(workspace: Array | None, *, unit: str, dimension: int) -> Array:
-    """The workspace, or that of the thesis's rig, in the unit."""
-    if workspace is not None:
-        return workspace
+def rig_workspace(dimension: int, *, unit: str) -> Array:
+    """That of the thesis's rig, in the unit."""
     return np.array([np.zeros(dimension), SIZE[dimension]]) / mm_per(unit, "unit")
