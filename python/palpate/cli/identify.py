@@ -41,7 +41,7 @@ def identify(
     noise: identify_options.Noise = None,
     overtravel: identify_options.Overtravel = None,
     position_error: identify_options.ProbePositionError = None,
-    normal_error_deg: identify_options.NormalErrorDeg = None,
+    normal_error_deg: identify_options.ProbeNormalErrorDeg = None,
     no_normal: identify_options.NoNormal = False,
     max_incidence_deg: plan_options.MaxIncidenceDeg = MAX_INCIDENCE_DEG,
     tip_radius: identify_options.ProbeTipRadius = None,

@@ -144,6 +144,16 @@ NormalErrorDeg = Annotated[
         metavar="DEG",
         help="Bound on the error of the sensed normal.",
         rich_help_panel="Sensor",
+        show_default=f"{NORMAL_ERROR_DEG:g}",
+    ),
+]
+ProbeNormalErrorDeg = Annotated[
+    float | None,
+    typer.Option(
+        parser=options.direction_error_deg,
+        metavar="DEG",
+        help="Bound on the error of the sensed normal.",
+        rich_help_panel="Sensor",
         show_default=f"{NORMAL_ERROR_DEG:g}; of the rig, derived",
     ),
 ]
