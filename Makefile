@@ -125,12 +125,12 @@ view-speed: .venv/.built .venv/.test .venv/.chromium ## from click to picture in
 tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs/closed-loop.md (some minutes)
 	$(BIN)/python -m palpate.experiments.tune_page docs/closed-loop.md $(ARGS)
 
-rig-figures: .venv/.built .venv/.sim ## the rig: 4,500 contacts, its control, 204 loops; in docs/rig.md (half an hour)
-	for name in rig-sensor rig-control rig-drill; do $(BIN)/palpate experiment $$name --out target/rig $(ARGS) || exit; done
-	$(BIN)/python -m palpate.experiments.thesis target/rig docs/rig.md --rig
-
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
+
+rig-figures: .venv/.built .venv/.sim ## the simulated rig: its sensor, its control, 204 closed loops; writes docs/rig.md; resumes
+	for name in sensor control drill; do $(BIN)/palpate experiment rig-$$name --out target/rig $(ARGS) || exit 1; done
+	$(BIN)/python -m palpate.experiments.rig_page target/rig docs/rig.md
 
 experiments: .venv/.built ## the thesis's tables and figures; an HTML page, and docs/experiments.md anew (minutes)
 	rm -rf target/experiments

@@ -105,6 +105,29 @@ Overtravel = Annotated[
     ),
 ]
 PositionError = Annotated[
+    float,
+    typer.Option(
+        parser=options.length,
+        metavar="LENGTH",
+        help="Bound on the error of the sensed place.",
+        rich_help_panel="Sensor",
+    ),
+]
+TipRadius = Annotated[
+    float,
+    typer.Option(parser=options.length, metavar="LENGTH", help="Of the tip.", rich_help_panel="Sensor"),
+]
+PathError = Annotated[
+    float,
+    typer.Option(
+        parser=options.length,
+        metavar="LENGTH",
+        help="How far the tip may leave its line; not given, or 0: as far as the position error.",
+        rich_help_panel="Sensor",
+    ),
+]
+# Where the probe may be the rig, whose bounds are derived if none are given.
+ProbePositionError = Annotated[
     float | None,
     typer.Option(
         parser=options.length,
@@ -121,6 +144,16 @@ NormalErrorDeg = Annotated[
         metavar="DEG",
         help="Bound on the error of the sensed normal.",
         rich_help_panel="Sensor",
+        show_default=f"{NORMAL_ERROR_DEG:g}",
+    ),
+]
+ProbeNormalErrorDeg = Annotated[
+    float | None,
+    typer.Option(
+        parser=options.direction_error_deg,
+        metavar="DEG",
+        help="Bound on the error of the sensed normal.",
+        rich_help_panel="Sensor",
         show_default=f"{NORMAL_ERROR_DEG:g}; of the rig, derived",
     ),
 ]
@@ -128,7 +161,7 @@ NoNormal = Annotated[
     bool,
     typer.Option("--no-normal", metavar="", help="Readings have no normal.", rich_help_panel="Sensor"),
 ]
-TipRadius = Annotated[
+ProbeTipRadius = Annotated[
     float | None,
     typer.Option(
         parser=options.length,
@@ -138,7 +171,7 @@ TipRadius = Annotated[
         show_default="0; of the rig, 5 mm",
     ),
 ]
-PathError = Annotated[
+ProbePathError = Annotated[
     float | None,
     typer.Option(
         parser=options.length,

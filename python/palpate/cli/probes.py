@@ -94,7 +94,7 @@ def rig(
     """The rig, with its derived bounds where no others are asked for."""
     d, mm = truth.dimension, mm_per(unit, "--unit")
     corners = plan_options.workspace_of(workspace, d)
-    area = workspace_of(rig_workspace(corners, unit=unit, dimension=d), d)
+    area = rig_workspace(d, unit=unit) if corners is None else workspace_of(corners, d)
     spec = flags.spec(None if felt.tip_radius is None else felt.tip_radius * mm)
     derived = rig_sensor(
         spec,

@@ -9,7 +9,6 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from numpy.typing import ArrayLike
 
 from palpate.cli import options
 from palpate.contacts.entry import mm_per
@@ -155,8 +154,6 @@ class RigFlags:
         return without_errors(spec, *(() if self.without is None else self.without.split(",")))
 
 
-def rig_workspace(workspace: ArrayLike | None, *, unit: str, dimension: int) -> Array:
-    """The workspace, or that of the thesis's rig, in the unit."""
-    if workspace is not None:
-        return np.asarray(workspace, dtype=float)
+def rig_workspace(dimension: int, *, unit: str) -> Array:
+    """That of the thesis's rig, in the unit."""
     return np.array([np.zeros(dimension), SIZE[dimension]]) / mm_per(unit, "unit")

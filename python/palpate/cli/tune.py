@@ -65,12 +65,12 @@ def tune(
     models: options.Models,
     *,
     problems: Problems = 30,
-    position_error: identify_options.PositionError = None,
+    position_error: identify_options.PositionError = POSITION_ERROR,
     normal_error_deg: identify_options.NormalErrorDeg = None,
     no_normal: identify_options.NoNormal = False,
     max_incidence_deg: plan_options.MaxIncidenceDeg = MAX_INCIDENCE_DEG,
-    tip_radius: identify_options.TipRadius = None,
-    path_error: identify_options.PathError = None,
+    tip_radius: identify_options.TipRadius = 0.0,
+    path_error: identify_options.PathError = 0.0,
     speed: Speed = 100.0,
     touch_time: TouchTime = 1.0,
     seed: plan_options.Seed = 0,
@@ -104,13 +104,7 @@ def tune(
     plane_only(parts.models, "tuning")
     normal_error_deg = identify_options.normal_error_deg_of(normal_error_deg, no_normal=no_normal)
     normal_error = None if normal_error_deg is None else math.radians(normal_error_deg)
-    sensor = Sensor(
-        POSITION_ERROR if position_error is None else position_error,
-        normal_error,
-        math.radians(max_incidence_deg),
-        tip_radius or 0.0,
-        path_error or 0.0,
-    )
+    sensor = Sensor(position_error, normal_error, math.radians(max_incidence_deg), tip_radius, path_error)
     costs = tuning.Costs(speed, touch_time)
     advice = tuning.tune(parts.models, sensor, costs, problems=problems, out=out, seed=seed, cluster=cluster)
     made = tuning.document(advice, parts.models, sensor, unit=unit, seed=seed)

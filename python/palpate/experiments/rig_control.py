@@ -62,7 +62,7 @@ def overshoot(speed: float, number: int) -> Row:
     spec = replace(spec, control=replace(spec.control, guard_speed=speed))
     probe = RigProbe(BLOCK, np.eye(3), spec=spec, seed=number % SEEDS)
     start = FACE - spec.bearing.radius - 10.0 - speed / spec.control.rate_hz * random.uniform()
-    reply = probe.touch([start, 160.0], [FACE, 160.0])
+    reply = probe.touch([start - 10.0, 160.0], [FACE + 60.0, 160.0])
     rows = probe.recording.rows
     first = next(k for k, row in enumerate(rows) if np.isfinite(row.normal).all())
     standing = next(k for k, row in enumerate(rows) if k > first and row.state != "guarded")

@@ -180,8 +180,12 @@ def without_errors(spec: RigSpec, *names: str) -> RigSpec:
     for name in names:
         if name not in ("drift", "creep", "noise"):
             raise ValueError(f'names: unknown (got {name!r}); give some of "drift", "creep" and "noise"')
-    none: dict[str, Any] = dict.fromkeys(names, 0.0)
-    return replace(spec, electronics=replace(spec.electronics, **none))
+    own = spec.electronics
+    drift, creep, noise = (
+        0.0 if name in names else value
+        for name, value in (("drift", own.drift), ("creep", own.creep), ("noise", own.noise))
+    )
+    return replace(spec, electronics=replace(own, drift=drift, creep=creep, noise=noise))
 
 
 BURSTS = 4
