@@ -302,6 +302,7 @@ BAD = [
     (["view", "boot", "--pose", "1,2"], "--pose: must be three numbers"),
     (["view", "boot", "--port", "70000"], "must be a whole number from 0 to 65535"),
     (["view", "boot", "--contacts", "none.csv"], "none.csv"),
+    (["view", "boot", "--port", "0", "--host", "192.0.2.1"], "host: can't listen at '192.0.2.1'"),
 ]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import socket
 from importlib import import_module
 from typing import Any
 
@@ -29,12 +30,25 @@ def quiet_server(host: str, port: int) -> Any:
     """A viser server that prints nothing.
 
     Raises:
-        ValueError: viser is not installed.
-        OSError: The address can't be had.
+        ValueError: viser is not installed; an address at which this machine can't listen.
     """
     viser = load_viser()
+    _check_host(host)
     with contextlib.redirect_stdout(io.StringIO()):
         return viser.ViserServer(host=host, port=port, label="palpate", verbose=False)
+
+
+def _check_host(host: str) -> None:
+    """Refuse what viser would try for ever."""
+    try:
+        family, *_, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, socket.SOCK_STREAM) as tried:
+            tried.bind(address)
+    except OSError as error:
+        raise ValueError(
+            f"host: can't listen at {host!r} ({error.strerror or error}); give an address of this machine, "
+            "or 0.0.0.0 for all of them"
+        ) from None
 
 
 def stop_quietly(server: Any) -> None:

@@ -31,8 +31,7 @@ class Viewer:
             port: The port; the next free one if it is taken, any if it is 0.
 
         Raises:
-            ValueError: viser is not installed.
-            OSError: The address can't be had.
+            ValueError: viser is not installed; an address at which this machine can't listen.
         """
         self.session = session
         self.shown = len(session.states) - 1
@@ -152,7 +151,6 @@ def serve(
 
     Raises:
         ValueError: As `Viewer`.
-        OSError: As `Viewer`.
     """
     viewer = Viewer(session, host=host, port=port)
     try:
