@@ -46,6 +46,9 @@ pub fn refuting_moves<V: Dimension>(
             Ok(Move { line: checked_line(one.line, size)?, ..*one })
         })
         .collect::<Result<_, Error>>()?;
+    if made.is_empty() {
+        return Ok(vec![None; hypotheses.len()]);
+    }
     let first = |one: &Hypothesis<V>| {
         let shadow = V::Shadow::new(&one.poses);
         made.iter().position(|one| !answers(&shadow, one))
