@@ -9,7 +9,10 @@ from conftest import usual_sensor
 from marching import PlacedSolid, lines
 
 import palpate
+from palpate.cli import main
 from palpate.probe import random_pose
+from palpate.probe.simulated import pose_within
+from palpate.rotations import vector_of
 
 PARTS = palpate.load_models(list(palpate.solid_part_names()))
 RADII = (0.0, 4.0)
@@ -306,3 +309,33 @@ def test_random_poses_lie_in_the_workspace_and_leave_room():
     assert np.allclose(np.mean(np.square(axes), axis=0), 1 / 3, atol=0.04)
     with pytest.raises(ValueError, match="workspace: 'bracket' has no room in it"):
         random_pose(model, np.array([[0.0] * 3, [30.0] * 3]), room=0.0, random=random)
+
+
+def test_random_poses_of_a_prior_are_within_its_bounds_and_reach_them():
+    random = np.random.default_rng(4)
+    middle = turned(0.3, -0.5, 1.1, (4, 5, 6))
+    prior = palpate.Prior(middle, translation=3.0, rotation=0.4)
+    normal = np.array([1.0, 2.0, 2.0]) / 3.0
+    lying = palpate.Prior.on_plane(middle, translation=5.0, rotation=0.6, height=0.5, tilt=0.1, normal=normal)
+    shifts, angles, along, heights, tilts = [], [], [], [], []
+    for _ in range(2000):
+        pose = pose_within(prior, random)
+        shifts.append(np.abs(pose[:3, 3] - middle[:3, 3]).max())
+        angles.append(np.linalg.norm(vector_of(pose[:3, :3] @ middle[:3, :3].T)))
+        pose = pose_within(lying, random)
+        shift, turn = pose[:3, 3] - middle[:3, 3], pose[:3, :3] @ middle[:3, :3].T
+        heights.append(abs(float(shift @ normal)))
+        along.append(np.linalg.norm(shift - (shift @ normal) * normal))
+        tilts.append(math.acos(min(1.0, float(turn @ normal @ normal))))
+    for found, most in zip((shifts, angles, along, heights, tilts), (3.0, 0.4, 5.0, 0.5, 0.1), strict=True):
+        assert 0.97 * most < max(found) <= most + 1e-9
+    flat = palpate.Prior(np.eye(3), translation=2.0, rotation=0.3)
+    turns = [math.atan2(pose[1, 0], pose[0, 0]) for pose in (pose_within(flat, random) for _ in range(500))]
+    assert 0.28 < max(turns) <= 0.3 and -0.3 <= min(turns) < -0.28
+
+
+def test_a_random_truth_lies_as_the_prior_has_it(capsys):
+    flags = ["--prior-pose", "0,0,0,0,0,0", "--prior-translation", "10", "--prior-rotation-deg", "15"]
+    for seed in range(3):
+        assert main(["identify", "l-bracket", *flags, "--seed", str(seed)]) == 0
+        assert "solved" in capsys.readouterr().out

@@ -83,8 +83,8 @@ def identify(
 ) -> None:
     """Which part it is and where, by touch: acquire, recognize, plan, touch, recognize anew.
 
-    A workspace not given is about the pose or the origin: a square of three sizes of the largest part, in
-    space a cube of two. That of the rig has 290 × 320 mm, in space a height of 200; there it probes
+    A workspace not given is about the pose, the prior or the origin: a square of three sizes of the largest
+    part, in space a cube of two. That of the rig has 290 × 320 mm, in space a height of 200; there it probes
     from above unless --directions says otherwise.
 
     Exit code 0: there is an answer, whatever its status; 2: bad input.
@@ -112,9 +112,17 @@ def identify(
         position_error, normal_error_deg, not no_normal, max_incidence_deg, tip_radius, path_error
     )
     flags = RigFlags(guard_speed, free_speed, press_force, rate_hz, without, record, film)
+    prior = prior_of(
+        prior_pose,
+        translation=prior_translation,
+        rotation_deg=prior_rotation_deg,
+        on_table=on_table,
+        dimension=dimension,
+    )
     given: dict[str, Any] = {
         "workspace": workspace,
         "pose": pose,
+        "prior": prior,
         "directions": plan_options.directions_of(directions, dimension),
         "seed": seed,
     }
@@ -149,13 +157,6 @@ def identify(
             noise=cast(Noise, noise or "uniform"),
         )
         evidence = Evidence(first, [])
-    prior = prior_of(
-        prior_pose,
-        translation=prior_translation,
-        rotation_deg=prior_rotation_deg,
-        on_table=on_table,
-        dimension=dimension,
-    )
     settings: dict[str, Any] = {
         "prior": prior or evidence.prior,
         "contacts": evidence.contacts,

@@ -80,7 +80,7 @@ Pose = Annotated[
     typer.Option(
         parser=pose,
         metavar="X,Y,DEG",
-        help="Where it lies, in space X,Y,Z,RX,RY,RZ; random: somewhere in the workspace.",
+        help="Where it lies, in space X,Y,Z,RX,RY,RZ; random: in the workspace, as the prior has it.",
         rich_help_panel="Simulation",
     ),
 ]

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from palpate import Model, Sensor, SimulatedProbe
+from palpate import Model, Prior, Sensor, SimulatedProbe
 from palpate.cli import plan_options
 from palpate.cli.recognize import pose_of
 from palpate.cli.rig_options import DOWN, RigFlags, rig_workspace
@@ -52,6 +52,7 @@ def simulated(
     *,
     workspace: str | None,
     pose: str,
+    prior: Prior | None,
     size: float,
     directions: Any,
     noise: str | None,
@@ -67,8 +68,8 @@ def simulated(
         felt.tip_radius or 0.0,
         felt.path_error or 0.0,
     )
-    area = _workspace(workspace, pose, size=size, dimension=truth.dimension)
-    placed = _pose(pose, truth, workspace=area, sensor=sensor, seed=seed)
+    area = _workspace(workspace, pose, prior, size=size, dimension=truth.dimension)
+    placed = _pose(pose, truth, prior, workspace=area, sensor=sensor, seed=seed)
     probe = SimulatedProbe(
         truth,
         placed,
@@ -87,6 +88,7 @@ def rig(
     *,
     workspace: str | None,
     pose: str,
+    prior: Prior | None,
     directions: Any,
     unit: str,
     seed: int,
@@ -113,22 +115,25 @@ def rig(
         derived.path_error if felt.path_error is None else felt.path_error,
         stem=derived.stem,
     )
-    placed = _pose(pose, truth, workspace=area, sensor=sensor, seed=seed)
+    placed = _pose(pose, truth, prior, workspace=area, sensor=sensor, seed=seed)
     probe = RigProbe(truth, placed, sensor, spec=spec, workspace=area, unit=unit, seed=seed)
     return Bench(probe, sensor, area, placed, DOWN if directions is None and d == 3 else directions)
 
 
-def _workspace(text: str | None, pose: str, *, size: float, dimension: int) -> Array:
+def _workspace(text: str | None, pose: str, prior: Prior | None, *, size: float, dimension: int) -> Array:
     corners = plan_options.workspace_of(text, dimension)
     if corners is not None:
         return workspace_of(corners, dimension)
-    known = pose != "random"
-    middle = pose_of(pose, "--pose", dimension)[:-1, -1] if known else np.zeros(dimension)
+    middle = np.zeros(dimension) if prior is None else prior.world_from_model[:-1, -1]
+    if pose != "random":
+        middle = pose_of(pose, "--pose", dimension)[:-1, -1]
     half = ACROSS[dimension] / 2 * size
     return np.array([middle - half, middle + half])
 
 
-def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: int) -> Array:
+def _pose(
+    text: str, model: Model, prior: Prior | None, *, workspace: Array, sensor: Sensor, seed: int
+) -> Array:
     """That of the flag, or a random one at which the part lies inside of the workspace."""
     if text != "random":
         world_from_model = pose_of(text, "--pose", model.dimension)
@@ -142,6 +147,6 @@ def _pose(text: str, model: Model, *, workspace: Array, sensor: Sensor, seed: in
     random = np.random.default_rng([seed, 1])
     room = ROOM * model.size + 2.0 * sensor.tip_radius + sensor.path_error
     try:
-        return random_pose(model, workspace, room=room, random=random)
+        return random_pose(model, workspace, room=room, random=random, prior=prior)
     except ValueError as error:
         raise ValueError(f"--{error}") from None

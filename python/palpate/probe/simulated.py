@@ -11,10 +11,11 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate._core import Contact, FirstContact, Miss, Model, Sensor
+from palpate._core import Contact, FirstContact, Miss, Model, Prior, Sensor
 from palpate.model_json import document_of
 from palpate.probe.errors import ERRORS, Array, Noise, PlanarErrors, random_rotation
 from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Reply, Skid, UnexpectedTouch
+from palpate.rotations import rotation_of
 
 MOST_TURNS = 1000  # are tried for one that leaves room
 
@@ -217,16 +218,29 @@ def _check(model: Any, sensor: Any, believed: Any, *, seed: Any, noise: Any) -> 
         raise ValueError(f'noise: unknown (got {noise!r}); give "uniform", "bounds" or "none"')
 
 
-def random_pose(model: Model, workspace: Array, *, room: float, random: np.random.Generator) -> Array:
+def random_pose(
+    model: Model,
+    workspace: Array,
+    *,
+    room: float,
+    random: np.random.Generator,
+    prior: Prior | None = None,
+) -> Array:
     """A pose at which the part lies within the workspace, `room` away from its border.
 
-    Uniform in its turn, of those that leave room, and then in its place.
+    Uniform in its turn, of those that leave room, and then in its place; with a prior, one of its poses.
 
     Raises:
         ValueError: None of many random turns leaves room.
     """
     d = model.dimension
     for _ in range(MOST_TURNS):
+        if prior is not None:
+            pose = pose_within(prior, random)
+            placed = model.vertices @ pose[:d, :d].T + pose[:d, d]
+            if (placed >= workspace[0] + room).all() and (placed <= workspace[1] - room).all():
+                return pose
+            continue
         rotation = random_rotation(d, random)
         turned = model.vertices @ rotation.T
         low, high = workspace[0] + room - turned.min(axis=0), workspace[1] - room - turned.max(axis=0)
@@ -235,8 +249,8 @@ def random_pose(model: Model, workspace: Array, *, room: float, random: np.rando
             pose[:d, :d], pose[:d, d] = rotation, random.uniform(low, high)
             return pose
     raise ValueError(
-        f"workspace: {model.name!r} has no room in it (got none of {MOST_TURNS} random rotations); "
-        "give a larger one"
+        f"workspace: {model.name!r} has no room in it (got none of {MOST_TURNS} random "
+        f"{'rotations' if prior is None else 'poses of the prior'}); give a larger one"
     )
 
 
@@ -248,6 +262,39 @@ def truth_entry(model: Model, world_from_model: Array) -> dict[str, Any]:
         "truth_sha256": hashlib.sha256(drawn.encode()).hexdigest(),
         "world_from_model": world_from_model.tolist(),
     }
+
+
+def pose_within(prior: Prior, random: np.random.Generator) -> Array:
+    """One of a prior's poses: each bounded amount uniform within its bound, axes to any side."""
+    pose = prior.world_from_model.copy()
+    d = len(pose) - 1
+    if prior.normal is None:
+        shift = random.uniform(-prior.translation, prior.translation, d)
+        turn = _turned_up_to(prior.rotation, random, d)
+    else:
+        normal = prior.normal
+        aside = [np.cross(normal, axis) for axis in np.eye(3)]
+        right = max(aside, key=lambda side: float(np.hypot.reduce(side)))
+        right = right / np.hypot.reduce(right)
+        up = np.cross(normal, right)
+        around, tilted = random.uniform(-math.pi, math.pi, 2)
+        way = prior.translation * math.sqrt(random.uniform())
+        height = random.uniform(-1.0, 1.0) * (prior.height or 0.0)
+        shift = way * (math.cos(around) * right + math.sin(around) * up) + height * normal
+        axis = math.cos(tilted) * right + math.sin(tilted) * up
+        tilt = rotation_of(random.uniform() * (prior.tilt or 0.0) * axis)
+        turn = rotation_of(random.uniform(-prior.rotation, prior.rotation) * normal) @ tilt
+    pose[:d, :d] = turn @ pose[:d, :d]
+    pose[:d, d] += shift
+    return pose
+
+
+def _turned_up_to(angle: float, random: np.random.Generator, dimension: int) -> Array:
+    if dimension == 2:
+        turn = random.uniform(-angle, angle)
+        return np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+    axis = random.normal(size=3)
+    return rotation_of(random.uniform() * angle * axis / np.hypot.reduce(axis))
 
 
 def sensor_entry(sensor: Sensor) -> dict[str, Any]:
