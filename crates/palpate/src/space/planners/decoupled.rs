@@ -30,7 +30,7 @@ const MOST_POSITIONS: usize = 16;
 const KEPT: [usize; 2] = [3, 2];
 
 /// Of a generator's lines so many are kept, the best at the nominal poses, as they are and given more room.
-const MOST_POLISHED: usize = 3;
+const MOST_POLISHED: usize = 6;
 
 /// A face that is turned to the generator's side, in pieces, chart coordinates.
 struct Seen {
