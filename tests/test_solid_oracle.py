@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -374,3 +375,13 @@ def test_edges_with_bounded_normals_agree_with_dense_sampling():
         brute = np.linalg.norm(center - places[agree] - 3.0 * normals[agree], axis=1).min()
         assert exact <= brute + 1e-9
         assert brute <= exact + 0.5
+
+
+def test_a_normal_that_is_off_moves_the_centre_of_a_ball_by_its_chord():
+    contacts = [SimpleNamespace(tip_radius=radius) for radius in (0.0, 5.0)]
+    normal, turn = np.array([0.0, 0.0, 1.0]), 0.02
+    turned = np.array([math.sin(turn), 0.0, math.cos(turn)])
+    moved = 5.0 * float(np.linalg.norm(turned - normal))
+    assert solid_oracle.missed_by_centers((0.25, turn), contacts) == pytest.approx(0.25 + moved)
+    assert solid_oracle.missed_by_centers((0.25, turn), contacts[:1]) == 0.25
+    assert solid_oracle.missed_by_centers((0.25, turn), []) == 0.25

@@ -230,10 +230,11 @@ def contradicted_in_space(result: Result) -> Row:
         kinds = ("face", "edge", "vertex") if balls else ("face",)
         poses = np.stack([one.poses.witness, one.world_from_model])
         least = solid_oracle.tolerance(solid, result.contacts, TOLERANCE)
-        miss, turn = one.model.asymmetry
+        asymmetry = one.model.asymmetry
+        missed = solid_oracle.missed_by_centers(asymmetry, result.contacts)
         slack = solid_oracle.Slack(
-            least.length + 2.0 * (one.model.position_slack + miss),
-            least.angle + 2.0 * (one.model.normal_slack + turn),
+            least.length + 2.0 * (one.model.position_slack + missed),
+            least.angle + 2.0 * (one.model.normal_slack + asymmetry[1]),
         )
         explained = [
             solid_oracle.explained(solid, poses, contact, slack, kinds=kinds).all()

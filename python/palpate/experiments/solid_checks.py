@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .checked import Outcome
-from .solid_oracle import Slack, angle_between, tolerance, valid
+from .solid_oracle import Slack, angle_between, missed_by_centers, tolerance, valid
 from .solid_particles import Settings, in_ball, rotations, search
 from .solid_problems import Problem, for_core, kept_model, random_problem
 from .solids import Array, Mask, Solid
@@ -69,7 +69,8 @@ class Answer:
             slack = Slack(-MARGIN * solid.size, -MARGIN, -off)
         else:
             least = tolerance(solid, problem.contacts, TOLERANCE)
-            length, angle = off + missed, model.normal_slack + turned
+            length = off + missed_by_centers((missed, turned), problem.contacts)
+            angle = model.normal_slack + turned
             slack = Slack(least.length + 2.0 * length, least.angle + 2.0 * angle, off + missed)
         return valid(
             solid,

@@ -60,6 +60,16 @@ def tolerance(solid: Solid, contacts: Sequence[Any], relative: float) -> Slack:
     return Slack(relative * solid.size + share, relative * (1.0 + 1e-6) + share / solid.size)
 
 
+def missed_by_centers(asymmetry: tuple[float, float], contacts: Sequence[Any]) -> float:
+    """How far a tip's centre may be off where a model's symmetries miss points and normals by so much.
+
+    A normal that is off by ω moves the centre of a ball of radius r by 2 r sin(ω / 2) (docs/theory.md, T10).
+    """
+    missed, turned = asymmetry
+    radius = max((float(one.tip_radius) for one in contacts), default=0.0)
+    return missed + 2.0 * radius * math.sin(turned / 2.0)
+
+
 def valid(  # noqa: PLR0917 - what is placed, where, what was observed, and how strictly
     solid: Solid,
     poses: Array,
