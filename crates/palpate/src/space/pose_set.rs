@@ -180,13 +180,16 @@ impl PoseSet {
     /// model's symmetry.
     #[must_use]
     pub fn contains(&self, world_from_model: Pose) -> bool {
-        let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
         let symmetries = &self.case.model.symmetries;
         let num_tried = if self.symmetric { symmetries.len() } else { 1 };
-        symmetries[..num_tried].iter().any(|symmetry| {
-            let pose = self.case.pivot_pose(world_from_model.compose(symmetry.motion));
-            self.pieces.iter().any(|piece| piece.satisfied(&self.case, pose, length, angle))
-        })
+        let image = |motion: Pose| self.case.pivot_pose(world_from_model.compose(motion));
+        symmetries[..num_tried].iter().any(|symmetry| self.holds(image(symmetry.motion)))
+    }
+
+    /// Whether the pose itself, not an image of it, explains every contact, up to τ.
+    fn holds(&self, pose: PivotPose) -> bool {
+        let (length, angle) = (2.0 * self.case.length_tolerance, 2.0 * self.case.angle_tolerance);
+        self.pieces.iter().any(|piece| piece.satisfied(&self.case, pose, length, angle))
     }
 
     /// A pose of the set: the proof that it is not empty.
@@ -228,7 +231,8 @@ impl PoseSet {
                 let conditions = piece.conditions(&self.case);
                 for pose in solve::centred(&conditions, witness.pose) {
                     let used = conditions.used(pose);
-                    if used < least && self.contains(self.case.pose(pose)) {
+                    // An image of it may be outside of the prior.
+                    if used < least && self.holds(pose) {
                         (best, least) = (self.case.pose(pose), used);
                     }
                 }
