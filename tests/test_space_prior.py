@@ -9,7 +9,7 @@ from palpate.rotations import vector_of
 
 
 def test_the_pose_of_largest_slack_is_within_the_prior():
-    """A prism of 16 sides looks the same turned by 22.5°: an image of one of its poses may be outside of it."""
+    """A prism of 16 sides looks the same turned by 22.5°: an image of a pose may be outside of the prior."""
     angles = 2.0 * np.pi * np.arange(16) / 16
     outline = 100.0 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     fan = [(0, k, k + 1) for k in range(1, 15)]
