@@ -9,7 +9,7 @@ use crate::judge::{Outcome, Verdict};
 use crate::line::Line;
 use crate::path::{Path, judged, rounded_margin, rounded_score};
 use crate::plan::Stop;
-use crate::scene::Scene;
+use crate::scene::{Scene, Shadow};
 
 /// What makes a path the best.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -86,7 +86,7 @@ impl<'a, V: Dimension> Best<'a, V> {
         }
         let path = judged(self.scene, self.members, line, None);
         // What was not judged to the end is no path.
-        if path.fault.is_some() || self.scene.is_halted() {
+        if path.fault.is_some() || (V::Shadow::SLOW && self.scene.is_halted()) {
             return false;
         }
         let order = |known: &Path<V>| left.cmp(&self.left).then_with(|| path.order(known, self.scene.margin));
@@ -118,5 +118,45 @@ impl<'a, V: Dimension> Best<'a, V> {
 
     pub fn enough(&self, stop: Stop) -> bool {
         self.path.as_ref().is_some_and(|path| path.enough(stop, self.scene.margin))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::Ordering::Relaxed;
+
+    use glam::{DVec2, dvec2};
+
+    use super::*;
+    use crate::plane::Model;
+    use crate::recognize::Halt;
+    use crate::{Contact, Evidence, Normal, PlanSettings, Sensor, Settings, plan, recognize};
+
+    /// In the plane no outcome is cut short. A proof goes by what was offered, and would be wrong without it.
+    #[test]
+    fn what_was_judged_to_the_end_counts_though_time_is_up() {
+        let block = |height: f64| {
+            let corners = [(0.0, 0.0), (50.0, 0.0), (50.0, height), (0.0, height)].map(DVec2::from);
+            Arc::new(Model::polygon("block", &corners, &[], &[], 0.0, 0.0).expect("an outline"))
+        };
+        let touched =
+            [(dvec2(20.0, 0.0), -DVec2::Y), (dvec2(0.0, 10.0), -DVec2::X), (dvec2(50.0, 10.0), DVec2::X)];
+        let contacts = touched.map(|(at, normal)| {
+            let normal = Normal::new(normal, 0.05).expect("bounds are valid");
+            Contact::new(at, 0.0, 0.5).expect("bounds are valid").with_normal(normal)
+        });
+        let evidence = Evidence { contacts: contacts.into(), ..Evidence::default() };
+        let models = [block(20.0), block(40.0)];
+        let hypotheses = recognize(&models, &evidence, &Settings::default()).expect("well-formed").hypotheses;
+        let sensor = Sensor::new(0.5, Some(0.05), 1.0).expect("bounds are valid");
+        let settings = PlanSettings::default();
+        let path = plan(&hypotheses, &sensor, &settings).expect("well-formed").path.expect("they differ");
+
+        let halt = Halt::default();
+        halt.store(true, Relaxed);
+        let scene = Scene::new(&hypotheses, &sensor, &settings).until(&halt);
+        let members = scene.everyone();
+        assert!(Best::new(&scene, &members).offer(&path.line));
     }
 }

@@ -33,7 +33,7 @@ const MOST_STEPS: u32 = 512;
 
 /// A hypothesis over all its poses, made ready for lines.
 pub trait Shadow<V: Dimension>: Debug + Send + Sync {
-    /// Whether an outcome takes so long that several threads are better asked for those of a line.
+    /// Whether an outcome takes long: several threads are better asked for those of a line, and a halt cuts it short.
     const SLOW: bool;
 
     /// Of these poses.
@@ -73,7 +73,7 @@ pub struct Question<'a, V = DVec2> {
     pub angle_margin: f64,
     /// How far the tip goes.
     pub length: f64,
-    /// Once it is set nobody waits for the answer: it may be cut short, and is then that the line can't be used.
+    /// Once it is set nobody waits for the answer: a slow one is cut short, and is then that the line can't be used.
     pub halt: &'a AtomicBool,
 }
 
@@ -119,7 +119,7 @@ pub struct Scene<V: Dimension = DVec2> {
     workspace: Option<[V; 2]>,
     pub(crate) directions: Option<(V, f64)>,
     tried: Vec<Line<V>>,
-    /// Once it is set, lines that are being judged count as unusable.
+    /// Once it is set, lines that are being judged count as unusable where that is slow.
     halt: Halt,
 }
 
