@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import builtins
+import json
 import math
 
 import numpy as np
 import pytest
 from conftest import pose, usual_sensor
+from test_cli import validate
 
 import palpate
 from palpate.cli import main
@@ -299,9 +301,18 @@ BAD = [
     (["view", "--log", "run.jsonl", "--seed", "1"], "--seed: must be given without --log"),
     (["view", "--log", "run.jsonl"], "there is no file"),
     (["view", "boot", "--truth", "boot"], "--truth boot: must be given with --pose"),
+    (["view", "boot", "--stem", "0,0,1,2,100"], "stem: is of space only"),
     (["view", "boot", "--pose", "1,2"], "--pose: must be three numbers"),
     (["view", "boot", "--port", "70000"], "must be a whole number from 0 to 65535"),
     (["view", "boot", "--contacts", "none.csv"], "none.csv"),
+    (
+        ["view", "boot", "--contacts", "l-bracket"],
+        "contacts[0]: is of dimension 3, the models of dimension 2",
+    ),
+    (
+        ["view", "l-bracket", "--contacts", "boot"],
+        "contacts[0]: is of dimension 2, the models of dimension 3",
+    ),
     (["view", "boot", "--port", "0", "--host", "192.0.2.1"], "host: can't listen at '192.0.2.1'"),
 ]
 
@@ -315,12 +326,32 @@ def test_bad_input_is_one_line(arguments, said, capsys, tmp_path, monkeypatch):
     assert said in complaint and complaint.count("\n") == 1
 
 
+def test_what_machines_are_told_is_as_the_schema_says(capsys, tmp_path):
+    pytest.importorskip("viser")
+    page = tmp_path / "found.html"
+    stem = ["--stem", "0,0,1,2,100"]
+    for evidence, expected in ((["--contacts", "l-bracket"], (True, True)), ([], (False, None))):
+        arguments = ["view", "l-bracket", *evidence, *stem, "--effort", "10", "--save", str(page), "--json"]
+        assert main(arguments) == 0
+        document = json.loads(capsys.readouterr().out)
+        validate(document, "view-1")
+        assert document["page"] == str(page) and page.is_file()
+        assert (bool(document["hypothesis_count"]), document["complete"]) == expected
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
         (lambda models: Session([], usual_sensor()), "models: must be parts"),
         (lambda models: Session(models, "sensor"), "sensor: must be a Sensor"),
         (lambda models: Session(models, usual_sensor()).add_contact((1, 2)), "contact: must be a Contact"),
+        (lambda models: Session(models, usual_sensor(), misses=["miss"]), r"misses\[0\]: must be a Miss"),
+        (
+            lambda models: Session(
+                models, usual_sensor(), prior=palpate.Prior(np.eye(4), translation=1.0, rotation=0.1)
+            ),
+            "prior: is of dimension 3",
+        ),
         (lambda models: Session(models, usual_sensor()).recognize(), "contacts"),
         (lambda models: Session(models, usual_sensor(), truth=(models[0], np.ones((3, 3)))), "rigid"),
         (

@@ -12,6 +12,7 @@ import typer
 from palpate import Model, Prior, Sensor
 from palpate.cli import identify_options, options, plan_options
 from palpate.cli.console import patiently, results
+from palpate.cli.documents import print_document
 from palpate.cli.identify import part_that_lies_there
 from palpate.cli.parts import Parts, load_parts
 from palpate.cli.recognize import pose_of, prior_of
@@ -23,7 +24,7 @@ from palpate.usual import MAX_INCIDENCE_DEG, NORMAL_ERROR_DEG, POSITION_ERROR
 if TYPE_CHECKING:
     from palpate.view import Session, Viewer
 
-BESIDE_A_LOG = ("log", "save", "host", "port")
+BESIDE_A_LOG = ("log", "save", "host", "port", "json")
 
 Models = Annotated[
     list[str] | None,
@@ -37,6 +38,16 @@ Pose = Annotated[
         metavar="X,Y,DEG",
         help="Where it lies, in space X,Y,Z,RX,RY,RZ; else at one of the poses that are left, by lot.",
         rich_help_panel="Simulation",
+        show_default=False,
+    ),
+]
+ContactsFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--contacts",
+        parser=options.contacts_file,
+        metavar="FILE",
+        help="What was touched before, as for palpate recognize.",
         show_default=False,
     ),
 ]
@@ -72,7 +83,7 @@ def view(
     context: typer.Context,
     models: Models = None,
     *,
-    contacts: identify_options.ContactsFile = None,
+    contacts: ContactsFile = None,
     log: LogFile = None,
     position_error: options.PositionError = None,
     normal_error_deg: options.NormalErrorDeg = None,
@@ -80,6 +91,7 @@ def view(
     max_incidence_deg: plan_options.MaxIncidenceDeg = MAX_INCIDENCE_DEG,
     tip_radius: options.TipRadius = None,
     path_error: plan_options.PathError = None,
+    stem: plan_options.Stem = None,
     prior_pose: options.PriorPose = None,
     prior_translation: options.PriorTranslation = None,
     prior_rotation_deg: options.PriorRotationDeg = None,
@@ -104,6 +116,7 @@ def view(
     save: Save = None,
     host: Host = "127.0.0.1",
     port: Port = 8080,
+    json: options.Json = False,
 ) -> None:
     """Parts, contacts and paths in a browser: click where a part was touched, recognize, plan, touch, undo.
 
@@ -155,6 +168,7 @@ def view(
                 max_incidence_deg=max_incidence_deg,
                 tip_radius=tip_radius,
                 path_error=path_error,
+                stem=stem,
             ),
             prior=prior or evidence.prior,
             features=None if features is None else features.split(","),
@@ -172,16 +186,33 @@ def view(
         )
     if save is not None:
         patiently(lambda: _save(session, save), saying="drawing")
-        console.print(f"page: {save}", markup=False)
+        if json:
+            print_document(_document(session, {"page": str(save)}))
+        else:
+            console.print(f"page: {save}", markup=False)
         return
 
     def told(viewer: Viewer) -> None:
-        console.print(f"the viewer is at {viewer.url} (Ctrl-C ends it)", markup=False, soft_wrap=True)
+        if json:
+            print_document(_document(session, {"url": viewer.url}))
+        else:
+            console.print(f"the viewer is at {viewer.url} (Ctrl-C ends it)", markup=False, soft_wrap=True)
         console.file.flush()
 
     viewer = serve(session, host=host, port=port, told=told)
     if viewer.busy:
         os._exit(0)  # what is still being computed would be waited for
+
+
+def _document(session: Session, where: dict[str, str]) -> dict[str, Any]:
+    left = session.state.left
+    return {
+        "schema": "palpate-view",
+        "version": 1,
+        **where,
+        "hypothesis_count": None if left is None else len(left.hypotheses),
+        "complete": None if left is None else left.complete,
+    }
 
 
 def _save(session: Session, path: Path) -> None:

@@ -59,7 +59,8 @@ class Viewer:
     @property
     def state(self) -> State:
         """The one that is shown."""
-        return self.session.states[self.shown]
+        states = self.session.states
+        return states[min(self.shown, len(states) - 1)]
 
     def stop(self) -> None:
         """End it."""
@@ -107,6 +108,8 @@ class Viewer:
                 return
             if number is not None:
                 self.shown = number
+            # Someone else may have gone back meanwhile.
+            self.shown = min(self.shown, len(self.session.states) - 1)
             self._panel.offer(len(self.state.hypotheses))
             self.look = self._panel.look
             shapes = shapes_of(self.session, self.state, self.look)

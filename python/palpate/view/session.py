@@ -98,6 +98,14 @@ class Session:
                 )
         if not isinstance(sensor, Sensor):
             raise ValueError(f"sensor: must be a Sensor (got {sensor!r}); give palpate.Sensor")
+        if sensor.stem is not None and self.dimension == 2:
+            raise ValueError(f"stem: is of space only (got {sensor.stem!r}); leave it out in the plane")
+        for number, contact in enumerate(contacts):
+            self._check(f"contacts[{number}]", contact, Contact)
+        for number, miss in enumerate(misses):
+            self._check(f"misses[{number}]", miss, Miss)
+        if prior is not None:
+            self._check("prior", prior, Prior)
         self.sensor = sensor
         self.unit = unit
         self.labels = [model.name for model in self.models] if labels is None else list(labels)
@@ -234,8 +242,7 @@ class Session:
 
     def add_contact(self, contact: Contact) -> State:
         """What was touched by other means; it is recognized when that is asked for."""
-        if not isinstance(contact, Contact):
-            raise ValueError(f"contact: must be a Contact (got {contact!r}); give palpate.Contact")
+        self._check("contact", contact, Contact)
         number = len(self.state.contacts) + 1
         truth = self.state.truth
         return self._then(
@@ -326,6 +333,20 @@ class Session:
             raise ValueError("undo: nothing was done yet; there is no state before")
         self.states.pop()
         return self.state
+
+    def _check(self, name: str, one: Any, kind: type[Contact | Miss | Prior]) -> None:
+        """Refuse what is of another kind or dimension: it could be neither recognized nor drawn."""
+        if not isinstance(one, kind):
+            raise ValueError(f"{name}: must be a {kind.__name__} (got {one!r}); give palpate.{kind.__name__}")
+        if isinstance(one, Contact):
+            dimension = len(one.center)
+        else:
+            dimension = len(one.start) if isinstance(one, Miss) else len(one.world_from_model) - 1
+        if dimension != self.dimension:
+            raise ValueError(
+                f"{name}: is of dimension {dimension}, the models of dimension {self.dimension} "
+                f"(got {one!r}); don't mix the plane and space"
+            )
 
     def _then(self, said: str, **changes: Any) -> State:
         self.states.append(replace(self.state, said=said, **changes))

@@ -59,7 +59,7 @@ def answer(session: Session, state: State, look: Look) -> str:
         count = len(state.contacts)
         told = f"{count} contact{'' if count == 1 else 's'}" if count else "No contacts yet"
         how = "Recognize them." if count else "Click on a part where it was touched, or give numbers below."
-        laid = "The parts are laid out side by side. " if len(session.models) > 1 and not state.left else ""
+        laid = "The parts are laid out side by side. " if len(session.models) > 1 else ""
         return f"<p><b>{told}.</b> {laid}{how}</p>"
     left = state.left
     lines = [f"<p><b>{escape(left_words(left).capitalize())}.</b></p>"]
@@ -116,9 +116,9 @@ def reasons(session: Session, state: State) -> str:
     direction = f"along {_place(path.direction)}"
     if len(path.direction) == 2:
         direction = f"at {math.degrees(math.atan2(path.direction[1], path.direction[0])):.1f}°"
-    where = f"From {_place(path.start)} {direction}, up to {path.length:.4g} {session.unit}."
+    where = f"From {_place(path.start)} {direction}, up to {path.length:.4g} {escape(session.unit)}."
     shift = (
-        f"It tells the same when it is shifted by up to {path.margin:.3g} {session.unit}."
+        f"It tells the same when it is shifted by up to {path.margin:.3g} {escape(session.unit)}."
         if path.margin > 0.0
         else ""
     )
@@ -127,7 +127,7 @@ def reasons(session: Session, state: State) -> str:
         for one in path.outcomes[:MOST_ROWS]
     )
     more = _more(len(path.outcomes))
-    head = f"<tr><th>if it is</th><th>it answers (after, in {session.unit})</th></tr>"
+    head = f"<tr><th>if it is</th><th>it answers (after, in {escape(session.unit)})</th></tr>"
     told = f"<p><b>{sure}</b> {where} {shift} {why}</p><table>{head}{rows}</table>{more}"
     return told + _leaves(session, state)
 
@@ -136,7 +136,7 @@ def tree_words(session: Session, state: State) -> str:
     """The ambiguity tree as nested lists."""
     tree = state.tree
     if tree is None:
-        return "<p>Press tree: what to do next, whatever the last touch met.</p>"
+        return "<p>Not grown yet: it says what to do next, whatever the last touch met.</p>"
     told = (
         f"Touches: {tree.expected_touches:.3g} expected, {tree.worst_touches} at worst; "
         f"no tree has fewer than {tree.lower_bound:.3g} expected"
@@ -194,7 +194,7 @@ def sensor_line(session: Session) -> str:
         "no normal" if sensor.normal_error is None else f"normal ±{math.degrees(sensor.normal_error):.3g}°"
     )
     tip = f", tip radius {sensor.tip_radius:g}" if sensor.tip_radius else ""
-    return f"Readings: ±{sensor.position_error:g} {session.unit}, {normal}{tip}."
+    return f"Readings: ±{sensor.position_error:g} {escape(session.unit)}, {normal}{tip}."
 
 
 def truth_words(session: Session, state: State) -> str:
