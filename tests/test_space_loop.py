@@ -230,6 +230,27 @@ def test_explorations_go_through_the_region_then_to_what_was_touched():
     assert min(a @ b for a, b in itertools.combinations(aimed[:4], 2)) < -0.7
 
 
+def test_nothing_goes_aside_of_a_stem_before_it_is_known_where_it_may():
+    """Straight down the stem follows the tip; elsewhere it could be the first to touch."""
+    stem = np.array([0.2, -0.1, 1.0])
+    along = -stem / np.linalg.norm(stem)
+    contacts = []
+    given = {"region": BOX, "contacts": contacts, "width": 20.0, "size": 80.0}
+    ahead = Explorations(BOX, 60.0, DOWN, **given, stem=stem)
+    places = []
+    while (scan := ahead.next(60.0)) is not None:
+        way = (scan.end - scan.start) / np.linalg.norm(scan.end - scan.start)
+        assert way == pytest.approx(along) and sides_of(BOX, scan.start) and sides_of(BOX, scan.end)
+        places.append(tuple(np.round(scan.start, 6)))
+        ahead.made(missed=not contacts)
+        if len(places) == 5:
+            # At the border: a part of the lines beside it would not be in the workspace.
+            contacts.append(
+                palpate.Contact((BOX[1, 0], 0, 0), (0, 0, 1), position_error=0.5, normal_error=0.07)
+            )
+    assert len(places) > 20 and len(set(places)) == len(places)
+
+
 def test_directions_hold_for_explorations():
     for directions in (DOWN, ((1.0, 1.0, -1.0), 0.05)):
         axis = np.array(directions[0]) / np.linalg.norm(directions[0])

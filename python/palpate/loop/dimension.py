@@ -41,6 +41,7 @@ class Search:
     models: Sequence[Model]
     workspace: Array
     directions: Directions
+    sensor: Sensor
     prior: Prior | None
     contacts: Sequence[Contact]
     """As they are at any time."""
@@ -101,6 +102,7 @@ def _explorations(search: Search, finest: float) -> Acquisition:
         contacts=search.contacts,
         width=explore.smallest_width(search.models),
         size=max(model.size for model in search.models),
+        stem=None if search.sensor.stem is None else search.sensor.stem[0],
     )
 
 

@@ -94,6 +94,7 @@ class Explorations:
         contacts: Sequence[Contact],
         width: float,
         size: float,
+        stem: ArrayLike | None = None,
     ) -> None:
         """Explorations of a workspace.
 
@@ -105,6 +106,7 @@ class Explorations:
             contacts: What was touched; what is added to it later counts from then on.
             width: Of the thinnest part.
             size: Of the largest.
+            stem: Where the probe's stem goes from the tip, shape `(3,)`.
         """
         self._workspace = workspace
         self._contacts = contacts
@@ -114,6 +116,10 @@ class Explorations:
         spread = [d for d in _spread(NUM_DIRECTIONS) if allowed(d)]
         axes = [side * axis for side in (1.0, -1.0) for axis in np.eye(3) if allowed(side * axis)]
         own = [] if directions is None else [_unit(np.array(directions[0], dtype=float))]
+        along = None if stem is None else -_unit(np.array(stem, dtype=float))
+        if along is not None and allowed(along):
+            # A stem no thicker than the tip goes where the tip has been: it touches nothing first.
+            axes, spread = [along], []
         self._ways = np.array([*axes, *spread] or own)
         self._missed = False
         self._ahead = self._through_region(region, axes or own, finest)
@@ -161,6 +167,8 @@ class Explorations:
         """Under the contact, and in the direction, from which most is to be learnt."""
         if len(self._aimed) >= MOST_AIMED:
             return None
+        if len(self._ways) == 1:
+            return self._around()
         normals = np.array([_outward(contact) for contact in self._contacts])
         tries = len(self._aimed)
         beside = self._beside(normals, tries // 2) if tries >= AT_FIRST and tries % 2 else None
@@ -185,14 +193,27 @@ class Explorations:
         self._aimed.append((number, self._ways[k]))
         return Scan(*ends, self._width)
 
+    def _around(self) -> Scan | None:
+        """Along the only way, about the contacts as far as the part may reach (Halton's sequence)."""
+        (way,) = self._ways
+        middle = np.mean([contact.center for contact in self._contacts], axis=0)
+        across = np.array(_square_to(way))
+        while len(self._aimed) < MOST_AIMED:
+            number = len(self._aimed) + 1
+            self._aimed.append((-1, way))
+            shares = np.array([_mirrored(number, 2), _mirrored(number, 3)]) - 0.5
+            ends = _ends(self._workspace, middle + self._size * (shares @ across), way)
+            if ends is not None:
+                return Scan(*ends, self._width)
+        return None
+
     def _beside(self, normals: Array, number: int) -> Scan | None:
         """Towards the middle of the contacts from where least is known of, on either side in turn.
 
         Shares of the size as in the van der Corput sequence: halves, quarters, eighths, ...
         """
         seldom, side = np.linalg.svd(normals)[2][-1], 1.0 if number % 2 else -1.0
-        digits = f"{number // 2 + 1:b}"[::-1]
-        share = sum(int(digit) / 2 ** (k + 1) for k, digit in enumerate(digits))
+        share = _mirrored(number // 2 + 1, 2)
         middle = np.mean([contact.center for contact in self._contacts], axis=0)
         place = middle + side * share * self._size * seldom - BELOW * self._size * normals.mean(axis=0)
         way = self._ways[int(np.argmax(self._ways @ (-side * seldom)))]
@@ -207,6 +228,16 @@ class Explorations:
         contact = self._contacts[number]
         under = contact.tip_radius + max(self._under, TIMES_ITS_BOUND * contact.position_error)
         return _ends(self._workspace, contact.center - under * _outward(contact), way)
+
+
+def _mirrored(number: int, base: int) -> float:
+    """Its digits mirrored at the point: a member of the van der Corput sequence."""
+    share, digit = 0.0, 1.0
+    while number:
+        digit /= base
+        share += digit * (number % base)
+        number //= base
+    return share
 
 
 def _outward(contact: Contact) -> Array:

@@ -52,7 +52,7 @@ class Settings:
 
     def search(self, contacts: Sequence[Contact]) -> Search:
         """Where first contacts are looked for, beside those that there are."""
-        return Search(self.models, self.workspace, self.directions, self.prior, contacts)
+        return Search(self.models, self.workspace, self.directions, self.sensor, self.prior, contacts)
 
     @property
     def moved(self) -> Sensor:
