@@ -11,11 +11,11 @@ import numpy as np
 from palpate import Model, Prior, Sensor, SimulatedProbe
 from palpate.cli import plan_options
 from palpate.cli.recognize import pose_of
-from palpate.cli.rig_options import DOWN, RigFlags, rig_workspace
+from palpate.cli.rig_options import RigFlags, flags_named, rig_workspace
 from palpate.contacts.entry import mm_per
 from palpate.loop.route import Array, workspace_of
 from palpate.probe import Noise, random_pose
-from palpate.rig import RigProbe, rig_sensor
+from palpate.rig import FROM_ABOVE, RigProbe, rig_sensor
 from palpate.usual import NORMAL_ERROR_DEG, POSITION_ERROR
 
 ACROSS = {2: 3.0, 3: 2.0}  # the workspace in sizes of the largest part, if it is not given
@@ -97,27 +97,28 @@ def rig(
     d, mm = truth.dimension, mm_per(unit, "--unit")
     corners = plan_options.workspace_of(workspace, d)
     area = rig_workspace(d, unit=unit) if corners is None else workspace_of(corners, d)
-    spec = flags.spec(None if felt.tip_radius is None else felt.tip_radius * mm)
-    derived = rig_sensor(
-        spec,
-        dimension=d,
-        size=tuple(float(side) * mm for side in np.ptp(area, axis=0)),
-        max_incidence=math.radians(felt.max_incidence_deg),
-        unit=unit,
-    )
-    asked = felt.normal_error_deg
-    normal_error = derived.normal_error if asked is None else math.radians(asked)
-    sensor = Sensor(
-        derived.position_error if felt.position_error is None else felt.position_error,
-        normal_error if felt.reads_normals else None,
-        derived.max_incidence,
-        derived.tip_radius,
-        derived.path_error if felt.path_error is None else felt.path_error,
-        stem=derived.stem,
-    )
-    placed = _pose(pose, truth, prior, workspace=area, sensor=sensor, seed=seed)
-    probe = RigProbe(truth, placed, sensor, spec=spec, workspace=area, unit=unit, seed=seed)
-    return Bench(probe, sensor, area, placed, DOWN if directions is None and d == 3 else directions)
+    with flags_named():
+        spec = flags.spec(None if felt.tip_radius is None else felt.tip_radius * mm)
+        derived = rig_sensor(
+            spec,
+            dimension=d,
+            size=tuple(float(side) * mm for side in np.ptp(area, axis=0)),
+            max_incidence=math.radians(felt.max_incidence_deg),
+            unit=unit,
+        )
+        asked = felt.normal_error_deg
+        normal_error = derived.normal_error if asked is None else math.radians(asked)
+        sensor = Sensor(
+            derived.position_error if felt.position_error is None else felt.position_error,
+            normal_error if felt.reads_normals else None,
+            derived.max_incidence,
+            derived.tip_radius,
+            derived.path_error if felt.path_error is None else felt.path_error,
+            stem=derived.stem,
+        )
+        placed = _pose(pose, truth, prior, workspace=area, sensor=sensor, seed=seed)
+        probe = RigProbe(truth, placed, sensor, spec=spec, workspace=area, unit=unit, seed=seed)
+    return Bench(probe, sensor, area, placed, FROM_ABOVE if directions is None and d == 3 else directions)
 
 
 def _workspace(text: str | None, pose: str, prior: Prior | None, *, size: float, dimension: int) -> Array:

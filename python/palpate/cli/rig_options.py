@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
@@ -17,8 +18,20 @@ from palpate.rig import SIZE, RigSpec, without_errors
 
 PANEL = "Rig"
 FASTEST = 1000.0  # mm/s
-DOWN = ((0.0, 0.0, -1.0), math.radians(57))  # of guarded moves in space: the stem comes from above
 ERRORS = ("drift", "creep", "noise")
+
+FLAGS = {
+    "spec.control.guard_speed": "--guard-speed",
+    "spec.control.free_speed": "--free-speed",
+    "spec.control.force": "--press-force",
+    "spec.control.rate_hz": "--rate-hz",
+    "spec.bearing.radius": "--tip-radius",
+    "max_incidence:": "--max-incidence-deg:",
+    "sensor: its position_error": "--position-error:",
+    "sensor: its path_error": "--path-error:",
+    "sensor: its normal_error": "--normal-error-deg:",
+}
+"""By what Python calls them."""
 
 _speed = options.number(0.1, FASTEST, f"a speed in mm/s, from 0.1 to {FASTEST:g}")
 _force = options.number(0.1, 1000.0, "a force in N, from 0.1 to 1000")
@@ -152,6 +165,19 @@ class RigFlags:
         if tip_radius is not None:
             spec = replace(spec, bearing=replace(spec.bearing, radius=tip_radius))
         return without_errors(spec, *(() if self.without is None else self.without.split(",")))
+
+
+@contextmanager
+def flags_named() -> Iterator[None]:
+    """Errors of the rig name the flag where they would name what Python calls it."""
+    try:
+        yield
+    except ValueError as error:
+        message = str(error)
+        for name, flag in FLAGS.items():
+            if message.startswith(name):
+                raise ValueError(flag + message.removeprefix(name)) from None
+        raise
 
 
 def rig_workspace(dimension: int, *, unit: str) -> Array:

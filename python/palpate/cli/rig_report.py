@@ -16,6 +16,10 @@ def draw_rig(
     result: Result, probe: RigProbe, flags: RigFlags, *, truth: Model, pose: Array, unit: str
 ) -> Iterator[str]:
     """Draw the recording and write the film, as asked; a line for each."""
+    if not len(probe.recording):
+        if flags.record is not None or flags.film is not None:
+            yield "the rig was not moved: there is nothing to record or film"
+        return
     if flags.record is not None:
         from palpate.plots import plot_recording, save_figure
 

@@ -10,6 +10,7 @@ from palpate.experiments import (
     rig_control,
     rig_drill,
     rig_sensor,
+    rig_solids,
     space_planners,
     standard_points,
     thesis_figures,
@@ -27,6 +28,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "rig-sensor": rig_sensor.EXPERIMENT,
     "rig-control": rig_control.EXPERIMENT,
     "rig-drill": rig_drill.EXPERIMENT,
+    "rig-solids": rig_solids.EXPERIMENT,
 }
 
 ALL = "all"

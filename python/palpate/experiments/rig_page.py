@@ -11,7 +11,7 @@ import argparse
 import math
 from pathlib import Path
 
-from palpate.experiments import rig_control, rig_drill, rig_sensor
+from palpate.experiments import rig_control, rig_drill, rig_sensor, rig_solids
 from palpate.experiments.campaign import read
 from palpate.experiments.pages import rewrite, table
 from palpate.rig import SIZE, RigSpec, bounds_of
@@ -20,6 +20,7 @@ EXPERIMENTS = {
     "rig-sensor": rig_sensor.EXPERIMENT,
     "rig-control": rig_control.EXPERIMENT,
     "rig-drill": rig_drill.EXPERIMENT,
+    "rig-solids": rig_solids.EXPERIMENT,
 }
 
 
@@ -44,7 +45,7 @@ def bounds_markdown() -> str:
         ("force beside its share", "N", "forces"),
         ("resting place", "mm", "rest"),
         ("place of the first touch", "mm", "slide"),
-        ("way", "mm", "path"),
+        ("path", "mm", "path"),
     ):
         for source, value in getattr(plane, name).items():
             other = getattr(space, name)[source]

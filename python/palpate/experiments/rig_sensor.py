@@ -19,14 +19,13 @@ from palpate.experiments.pages import share, table
 from palpate.experiments.shapes import Array
 from palpate.plots.style import COLORS
 from palpate.probe import random_pose
-from palpate.rig import SIZE, RigProbe, RigSpec, without_errors
+from palpate.rig import FROM_ABOVE, SIZE, RigProbe, RigSpec, without_errors
 from palpate.rig.gauges import turned
 
 REPEATS = 500
 RUN_IN = 12.0  # mm before the first touch
 BEYOND = 10.0  # mm behind it
 MOST_INCIDENCE = math.radians(60)
-FROM_ABOVE = math.radians(57)  # of solids: the stem comes from there
 MOST_TRIES = 5000
 THESIS = {"normal_deg": 0.5, "position": 0.5}  # A.1: of a truly planar contact
 
@@ -99,7 +98,7 @@ def aim(
     place = pose[:d, :d] @ place + pose[:d, d]
     normal = pose[:d, :d] @ model.face_normals[number]
     direction = -turned(normal, MOST_INCIDENCE * random.uniform(), random)
-    if d == 3 and -direction[2] < math.cos(FROM_ABOVE):
+    if d == 3 and -direction[2] < math.cos(FROM_ABOVE[1]):
         return None
     far = place + radius * normal - 2.0 * RUN_IN * direction
     if model.distance(pose, far) <= radius:
@@ -165,6 +164,7 @@ def markdown(rows: list[Row]) -> str:
                 str(sum(row["corner"] for row in hits)),
                 str(sum(row["reply"] == "Skid" for row in some)),
                 str(sum(row["reply"] == "Fault" for row in some)),
+                str(sum(row["reply"] not in ("Hit", "Skid", "Fault") for row in some)),
                 f"**{beyond}**",
             ]
         )
@@ -186,8 +186,9 @@ def markdown(rows: list[Row]) -> str:
             "are drawn anew), touched at up to 60° of incidence, solids from above. *Beyond* counts readings "
             "beyond a derived bound, in place or normal. The bounds of each rig are those that follow from "
             "what it has; without noise, the rounding of the converter averages out no more.",
-            table(["errors", "moves", "read", "without normal", "skids", "faults", "beyond"], ends),
+            table(["errors", "moves", "read", "without normal", "skids", "faults", "other", "beyond"], ends),
             "*Without normal* are contacts in corners that stick in, which rolling the tip found out. "
+            "*Other*: the tip touched something where the move was to begin. "
             + (f"Faults: {'; '.join(faults)}." if faults else "There was no fault."),
             "Errors in degrees and mm: the middle one, the largest of 99 %, the largest; then the derived "
             "bound and the share of readings within the thesis's ±0.5° and ±0.5 mm. Of the place it is the "

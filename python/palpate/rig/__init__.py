@@ -4,13 +4,14 @@
 the extra `palpate[sim]`. Inside, lengths are mm, forces N, times s.
 """
 
-from palpate.rig.bounds import SIZE, Bounds, bounds_of, rig_sensor
+from palpate.rig.bounds import FROM_ABOVE, SIZE, Bounds, bounds_of, rig_sensor
 from palpate.rig.phases import Phases, phases_of
 from palpate.rig.probe import RigProbe
 from palpate.rig.recording import Recording
 from palpate.rig.specification import Bearing, Control, Electronics, Gantry, Jig, RigSpec, without_errors
 
 __all__ = [
+    "FROM_ABOVE",
     "SIZE",
     "Bearing",
     "Bounds",

@@ -30,6 +30,8 @@ class Beam:
     """MPa."""
     most_force: float = 22.0
     """At the tip, N: it was designed to yield there."""
+    damping: float = 0.05
+    """Of its swinging, as a share of the critical damping."""
 
     @property
     def inertia(self) -> float:

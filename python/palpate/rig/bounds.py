@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from palpate._core import Sensor
 from palpate.contacts.entry import mm_per
 from palpate.rig.gauges import count_force
+from palpate.rig.servo import THERE, seconds_for
 from palpate.rig.specification import BURSTS, RigSpec, check
 
 RARELY = 1e-9
@@ -36,6 +37,10 @@ class Bounds:
     """By how much a second contact in a corner that sticks in may turn the force, unnoticed."""
     repeat: float
     """By how much the directions of two readings of one force may differ."""
+    still: float
+    """N, by which two averages of a tip that is clear may differ, apart from what they do with time."""
+    creeping: float
+    """N/s, at which the force that is sensed of a tip may change of itself."""
     geometry: float
     """By which the axes may be off, wherever they are."""
     rest: dict[str, float]
@@ -80,14 +85,14 @@ def bounds_of(
     check(spec)
     control, bearing, beam = spec.control, spec.bearing, spec.beam
     root = math.sqrt(dimension)
-    most_read, peak = control.force + 2.0 * control.force_band, beam.most_force
+    most_read = control.force + 2.0 * control.force_band
     stiffness = beam.stiffness * (1.0 - spec.jig.stiffness_tolerance)
     noise = root * _average(spec, control.reading)
     drift = root * spec.electronics.drift
-    creep = _creep_rate(spec, loads=most_read + peak * _crept(spec, control.settle))
-    # The tip may end a reading as fast as it began it in the other direction.
-    speed = RESTLESS / stiffness * _swing(spec)
-    inertia = 2.0 * spec.moving_mass * speed / control.reading * 1e-3
+    creep = 2.0 * spec.electronics.creep * most_read / spec.electronics.creep_time
+    # As fast as it was pressed the tip may swing, until it was left alone for a while.
+    swing = spec.moving_mass * _swing(spec) * control.most_pressing * 1e-3
+    inertia = swing * math.exp(-spec.beam.damping * _swing(spec, -1.0) * control.quiet)
     rolling = bearing.friction_torque * (1.0 if dimension == 2 else root) / bearing.radius
     forces = {
         "noise and rounding of the reading": noise,
@@ -106,17 +111,28 @@ def bounds_of(
             f"spec: its errors, {sum(forces.values()):.3g} N, are too large for the force of "
             f"{control.force:g} N; press harder, or give smaller errors"
         )
+    still = noise + root * _average(spec, control.quiet) + 2.0 * (rolling + inertia)
     encoder = root * spec.gantry.resolution / 2.0
+    # What touches, however lightly, is pressed by moving to one of the sides (B8).
+    way = control.clear - THERE - 2.0 * encoder
+    pressed = (1.0 - gain) * stiffness * way / dimension
+    if not pressed > 2.0 * (still + (drift + creep) * control.clear_within):
+        raise ValueError(
+            "spec.control.clear: must be enough to tell a touch from what drifts "
+            f"(got {control.clear:g} mm); give more"
+        )
     geometry = _geometry(spec, size)
     most = most_read / stiffness
     off = (most_read * gain + sum(forces.values())) / stiffness
-    guard = _guard_deflection(spec, dimension, stiffness)
+    guard = _guard_deflection(spec, dimension, stiffness, size=size)
     return Bounds(
         forces=forces,
         gain=gain,
         least_force=least,
         corner=math.radians(control.rock_turn_deg) * (1.0 if dimension == 2 else math.sqrt(2.0)),
         repeat=math.asin(apart / least) * (1.0 if dimension == 2 else math.sqrt(2.0)),
+        still=still,
+        creeping=drift + creep,
         geometry=geometry,
         rest={
             "steps of the encoders": encoder,
@@ -134,6 +150,7 @@ def bounds_of(
             "scales and squareness of the axes": geometry,
             "bending below the guard force": guard,
             "between two ticks": _grazed(spec),
+            "short of its end": THERE,
         },
         max_incidence=max_incidence,
     )
@@ -179,6 +196,8 @@ def rig_sensor(
     )
 
 
+FROM_ABOVE = ((0.0, 0.0, -1.0), math.radians(57))
+"""Directions of guarded moves in space, for `palpate.identify`: the stem comes from above."""
 SIZE: dict[int, tuple[float, ...]] = {2: (290.0, 320.0), 3: (290.0, 320.0, 200.0)}
 """Of the workspace, mm (thesis 4.3; its height is ours)."""
 
@@ -186,7 +205,7 @@ SIZE: dict[int, tuple[float, ...]] = {2: (290.0, 320.0), 3: (290.0, 320.0, 200.0
 def _average(spec: RigSpec, seconds: float) -> float:
     """Bound of an average over a window, in N of one channel (B1)."""
     electronics = spec.electronics
-    number = round(seconds * spec.control.rate_hz) * BURSTS * electronics.burst
+    number = max(1, round(seconds * spec.control.rate_hz)) * BURSTS * electronics.burst
     sigma = electronics.noise
     factor = math.sqrt(2.0 * math.log(2.0 / RARELY) / number)
     plain = 0.5 + min(factor * sigma, electronics.noise_clip * sigma)
@@ -233,15 +252,10 @@ def _crept(spec: RigSpec, seconds: float) -> float:
     return electronics.creep * (1.0 - math.exp(-seconds / electronics.creep_time))
 
 
-def _creep_rate(spec: RigSpec, *, loads: float) -> float:
-    """Fastest that the reading creeps, N/s (B4)."""
-    electronics = spec.electronics
-    return electronics.creep * loads / electronics.creep_time
-
-
-def _swing(spec: RigSpec) -> float:
-    """Of the tip on its spring, radians per second."""
-    return math.sqrt(spec.beam.stiffness * (1.0 + spec.jig.stiffness_tolerance) * 1e3 / spec.moving_mass)
+def _swing(spec: RigSpec, side: float = 1.0) -> float:
+    """Of the tip on its spring, radians per second: the most, or the least."""
+    stiffness = spec.beam.stiffness * (1.0 + side * spec.jig.stiffness_tolerance)
+    return math.sqrt(stiffness * 1e3 / spec.moving_mass)
 
 
 def _geometry(spec: RigSpec, size: tuple[float, ...]) -> float:
@@ -256,15 +270,23 @@ def _geometry(spec: RigSpec, size: tuple[float, ...]) -> float:
     )
 
 
-def _guard_deflection(spec: RigSpec, dimension: int, stiffness: float) -> float:
+def _guard_deflection(spec: RigSpec, dimension: int, stiffness: float, *, size: tuple[float, ...]) -> float:
     """How far the tip may be bent aside without a contact being noticed, mm (B7)."""
-    control = spec.control
-    late = math.sqrt(dimension) * (2.0 * _average(spec, 1.0 / control.rate_hz) + spec.electronics.drift * 2.0)
-    creep = _crept(spec, control.settle) * spec.beam.most_force
-    return (control.guard_force * (1.0 + _gain(spec, dimension)) + late + creep) / stiffness
+    control, root = spec.control, math.sqrt(dimension)
+    # The zero is as old as the longest move, and what the last contact left creeps back.
+    longest = math.hypot(*(side + 2.0 * spec.gantry.overrun for side in size))
+    seconds = control.reading + seconds_for(control, longest, control.guard_speed)
+    late = root * (2.0 * _average(spec, 1.0 / control.rate_hz) + spec.electronics.drift * seconds)
+    late += spec.electronics.creep * (control.force + 2.0 * control.force_band)
+    if not late < control.guard_force:
+        raise ValueError(
+            "spec.control.guard_speed: is so slow that drift may pass for a touch "
+            f"(got {control.guard_speed:g} mm/s for up to {longest:.4g} mm); move faster, or not so far"
+        )
+    return (control.guard_force * (1.0 + _gain(spec, dimension)) + late) / stiffness
 
 
 def _grazed(spec: RigSpec) -> float:
     """How deep a disc passes a point between two ticks (B7)."""
     way = spec.control.guard_speed / spec.control.rate_hz
-    return way * way / (8.0 * spec.bearing.radius)
+    return way * way / (4.0 * spec.bearing.radius)

@@ -34,7 +34,7 @@ def save_film(
 
     Args:
         path: Ends in `.html`.
-        recording: Of the rig that made the run.
+        recording: Of the rig that made the run; it has moved.
         result: Of the run.
         model: The part that lay there, at `world_from_model`.
         world_from_model: Its pose.
@@ -52,8 +52,8 @@ def save_film(
         recording, result, model=model, pose=world_from_model, tip_radius=tip_radius, unit_mm=unit_mm
     )
     page = resources.files("palpate.rig").joinpath("film.html").read_text(encoding="utf-8")
-    # `</` would end the script that holds it.
-    text = json.dumps(document, separators=(",", ":")).replace("</", "<\\/")
+    # What would end the script that holds it, or begin a comment in it, is written otherwise.
+    text = json.dumps(document, separators=(",", ":")).replace("</", "<\\/").replace("<!--", "<\\!--")
     partial = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         partial.write_text(page.replace("/*RUN*/null", text), encoding="utf-8")
@@ -75,10 +75,10 @@ def _document(
     times = recording.column("time")
     rate = 1.0 / float(np.median(np.diff(times))) if len(times) > 1 else FRAMES_PER_SECOND
     every = max(1, round(rate / FRAMES_PER_SECOND))
-    kept = slice(None, None, every)
-    forces = np.hypot.reduce(recording.column("force"), axis=1)
+    last = len(times) - 1
+    kept = np.unique([*range(0, last, every), last])
     # No peak is left out between two frames.
-    peaks = [float(forces[k : k + every].max()) for k in range(0, len(forces), every)]
+    peaks = np.maximum.reduceat(np.hypot.reduce(recording.column("force"), axis=1), kept)
     edges = [face for face in model.faces] if d == 2 else model.edges
     lines = [unit_mm * (np.asarray(edge) @ pose[:d, :d].T + pose[:d, d]) for edge in edges]
     return {
@@ -90,7 +90,7 @@ def _document(
         "times": _rounded(times[kept], 3),
         "tips": _rounded(recording.column("tip")[kept]),
         "bases": _rounded(recording.column("base")[kept]),
-        "forces": _rounded(np.array(peaks)),
+        "forces": _rounded(peaks),
         "states": recording.states[kept].tolist(),
         "names": list(STATES),
         "steps": _steps(recording, result, unit_mm),

@@ -24,6 +24,8 @@ Array: TypeAlias = NDArray[np.float64]
 
 LOST = 0.3
 """s without force: the tip has slipped off what it touched."""
+HEAVY = 1.0
+"""s with more force than a reading may have: more than creep is reckoned with (B4)."""
 STEEPER = math.radians(3)
 """The sensed direction of a single tick is no better."""
 
@@ -62,20 +64,34 @@ class OuterLoop:
     def __init__(self, machine: Machine, bounds: Bounds) -> None:
         """A tip at rest, clear of everything; `bounds` are those of its readings."""
         self.machine = machine
-        self._position_error = bounds.position_error
+        self._bounds = bounds
         steepest = bounds.max_incidence + 2.0 * bounds.normal_error
         self._least_cosine = math.cos(min(math.pi / 2, steepest + STEEPER))
         self._control: Control = machine.spec.control
         self._stiffness = machine.spec.beam.stiffness
 
-    def zero(self) -> bool:
-        """Take the zero at rest; False if the tip is not clear."""
-        self.machine.rest(self._control.quiet, "rest")
-        read = self.machine.averaged(self.machine.rest(self._control.reading, "zero"))
-        if read.magnitude > self._control.guard_force:
-            return False
-        self.machine.zero.reset(read.counts)
-        return True
+    def zero(self) -> Sensed | None:
+        """Take the zero at rest; None if the tip is not clear: moved a little it would feel the same (B8).
+
+        Raises:
+            RigFault: Moving took too long.
+        """
+        machine, control, bounds = self.machine, self._control, self._bounds
+        machine.rest(control.quiet, "rest")
+        read = machine.averaged(machine.rest(control.reading, "zero"))
+        for side in _sides(machine.plant.dimension):
+            self.go(read.base + control.clear * side, speed=control.most_pressing, state="zero")
+            machine.rest(control.quiet, "zero")
+            felt = machine.averaged(machine.rest(control.quiet, "zero"))
+            changed = machine.newtons_per_count @ (felt.counts - read.counts)
+            most = bounds.still + bounds.creeping * (felt.time - read.time)
+            if float(np.hypot.reduce(changed)) > most:
+                return None
+            if felt.time - read.time > control.clear_within:
+                raise RigFault("it took too long to see that the tip is clear")
+        self.go(read.base, speed=control.most_pressing, state="zero")
+        machine.zero.reset(read.counts)
+        return read
 
     def go(self, goal: Array, *, speed: float, state: State) -> Sensed | None:
         """Freely to a place; what was sensed where it touched, or None.
@@ -117,12 +133,10 @@ class OuterLoop:
                 raise RigFault(f"a guarded move left its line by more than {control.off_line:g} mm")
             sensed = machine.tick(move.velocity(base), "guarded")
             if sensed.magnitude > control.guard_force:
-                machine.zero.hold()
                 stopped = machine.rest(machine.tick_seconds, "guarded")
                 shifted = Line(line.start + line.aside(base), line.end + line.aside(base))
                 most = max(one.magnitude for one in [sensed, *stopped])
                 return Met(max(0.0, line.depth(base)), line.depth(stopped[-1].base), shifted, most)
-            machine.zero.follow(sensed.counts)
             base = sensed.base
         raise RigFault(f"a guarded move of {line.length:.1f} mm did not end in time")
 
@@ -162,7 +176,7 @@ class OuterLoop:
         normal = force / np.hypot.reduce(force)
         center = read.base + force / self._stiffness
         depth = met.line.depth(center)
-        if not met.free - self._position_error <= depth <= met.reached + self._position_error:
+        if not met.free - self._bounds.position_error <= depth <= met.reached + self._bounds.position_error:
             return None
         corner = any(self._against(normal, machine.force_of(one.counts), motion) for motion, one in rocked)
         return Reading(center, normal, corner, float(np.hypot.reduce(force)))
@@ -176,14 +190,17 @@ class OuterLoop:
         """Until the contact is firm for a while; None: the tip slipped off, or touches too steeply."""
         machine, control = self.machine, self._control
         sensed = machine.rest(machine.tick_seconds, "contact")[-1]
-        held = lost = steep = 0
+        held = lost = steep = heavy = 0
         while machine.time < until:
             sensed = machine.tick(press.velocity(sensed.base, sensed.force), "contact")
             held = held + 1 if press.firm(sensed.base, sensed.force) else 0
             lost = lost + 1 if sensed.magnitude < control.guard_force else 0
             steep = steep + 1 if press.cosine(sensed.force) < self._least_cosine else 0
+            heavy = heavy + 1 if sensed.magnitude > control.force + 2.0 * control.force_band else 0
             if held >= machine.ticks(control.quiet):
                 return sensed
+            if heavy >= machine.ticks(HEAVY):
+                raise RigFault("the contact was not held at its force")
             if max(lost, steep) >= machine.ticks(LOST):
                 return None
         raise RigFault("the contact did not settle")
@@ -216,14 +233,22 @@ class OuterLoop:
         Raises:
             RigFault: It still touches.
         """
-        machine, control = self.machine, self._control
+        control = self._control
         self.go(met.line.at(max(0.0, depth - control.back_off)), speed=control.back_speed, state="back off")
-        machine.rest(control.quiet, "zero")
-        read = machine.averaged(machine.rest(control.reading, "zero"))
-        if read.magnitude > control.guard_force:
+        read = self.zero()
+        if read is None:
             raise RigFault("the tip still touches after it backed off")
-        machine.zero.reset(read.counts)
         return read
+
+
+def _sides(dimension: int) -> Array:
+    """Corners of a triangle or a tetrahedron: one of them goes 1/d along any direction, at least."""
+    if dimension == 2:
+        turns = 2.0 * math.pi / 3.0 * np.arange(3)
+        return np.column_stack([np.cos(turns), np.sin(turns)])
+    return np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]]) / math.sqrt(
+        3.0
+    )
 
 
 def _tangents(force: Array) -> list[Array]:

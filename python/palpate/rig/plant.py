@@ -24,7 +24,6 @@ Array: TypeAlias = NDArray[np.float64]
 STEP_HZ = 1920.0
 """Steps of the physics per second, at least."""
 PART_HALF_HEIGHT = 20.0  # mm, of prisms over planar parts, above and below the tip's centre
-TIP_DAMPING = 0.05  # of the critical one: a beam of metal
 ARMATURE = 1e-7  # kg m², of the bearing's race
 M = 1e-3  # metres in a millimetre
 
@@ -73,6 +72,7 @@ class Plant:
         self._ball = self._model.geom("ball").id
         self._stem = self._model.geom("stem").id
         self._tip = self._model.body("tip").id
+        self._stem_touched = False
 
     def _compiled(self, pieces: list[Array], spec: RigSpec) -> Any:
         mujoco, d, gantry = self._mujoco, self.dimension, spec.gantry
@@ -129,7 +129,7 @@ class Plant:
         tip = body.add_body(name="tip", mass=tip_mass, inertia=[1e-8] * 3)
         tip.explicitinertial = True
         for k in range(d):
-            damping = 2.0 * TIP_DAMPING * math.sqrt(self._stiffness[k] * spec.moving_mass)
+            damping = 2.0 * spec.beam.damping * math.sqrt(self._stiffness[k] * spec.moving_mass)
             tip.add_joint(
                 name=f"bend-{k}",
                 type=slide,
@@ -205,7 +205,10 @@ class Plant:
 
     @property
     def stem_touches(self) -> bool:
-        """Whether the stem's own contact is closed: it is wired as a switch."""
+        """Whether the stem's own contact was closed in the last tick: it is wired as a switch."""
+        return self._stem_touched
+
+    def _stem_is_touching(self) -> bool:
         contacts = self._state.contact
         return bool(self._state.ncon) and bool(
             (contacts.geom1 == self._stem).any() or (contacts.geom2 == self._stem).any()
@@ -225,9 +228,11 @@ class Plant:
         state.ctrl[:] = M * velocity
         forces = np.empty((BURSTS, d))
         bend = slice(d, 2 * d)
+        self._stem_touched = False
         for k in range(BURSTS):
             self._mujoco.mj_step(self._model, state, nstep=self.steps // BURSTS)
             forces[k] = self._stiffness * state.qpos[bend]
+            self._stem_touched |= self._stem_is_touching()
         return forces
 
 

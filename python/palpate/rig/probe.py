@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from palpate._core import Contact, Miss, Model, Sensor
 from palpate.contacts.entry import mm_per
 from palpate.loop.route import workspace_of
+from palpate.loop.wander import path_error_of
 from palpate.probe.protocol import AlreadyTouching, Fault, Hit, Reply, Skid, UnexpectedTouch
 from palpate.probe.simulated import point_of, sensor_entry, truth_entry
 from palpate.rig.bounds import MAX_INCIDENCE, SIZE, Bounds, bounds_of, rig_sensor
@@ -86,6 +87,8 @@ class RigProbe:
         self._bounds = bounds_of(spec, dimension=d, size=size, max_incidence=incidence)
         derived = rig_sensor(spec, dimension=d, size=size, max_incidence=incidence, unit=unit)
         self._sensor = derived if sensor is None else _claimed(sensor, derived)
+        # As the loop takes it: a sensor that states none may leave its line by its position error.
+        self._path_error = path_error_of(self._sensor)
         drawn = [np.random.default_rng([seed, 2, k]) for k in range(3)]
         plant = Plant(
             model,
@@ -208,12 +211,10 @@ class RigProbe:
         if self._position is None:
             self._machine.plant.place(line.start)
             self._position = line.start
-            if self._machine.plant.touching:
-                return AlreadyTouching()
         met = self._moved([line.start])
         if met is not None:
             return met
-        if not self._outer.zero():
+        if self._outer.zero() is None:
             return AlreadyTouching()
         touched = self._outer.guarded(line)
         if touched is None:
@@ -229,7 +230,6 @@ class RigProbe:
         steepest = math.cos(min(math.pi, sensor.max_incidence + self._bounds.normal_error))
         if -float(line.direction @ reading.normal) < steepest:
             return self._skid(line, min(met.free, line.depth(reading.center)))
-        path_error = sensor.path_error or sensor.position_error
         has_normal = sensor.normal_error is not None and not reading.corner
         return Hit(
             Contact.from_tip(
@@ -239,7 +239,7 @@ class RigProbe:
                 normal=reading.normal if has_normal else None,
                 normal_error=sensor.normal_error if has_normal else None,
                 approach=line.direction,
-                start=line.start / self._mm if path_error <= sensor.position_error else None,
+                start=line.start / self._mm if self._path_error <= sensor.position_error else None,
             )
         )
 
@@ -252,7 +252,7 @@ class RigProbe:
             line.start / self._mm,
             line.at(length) / self._mm,
             tip_radius=sensor.tip_radius,
-            path_error=sensor.path_error,
+            path_error=self._path_error,
         )
 
     def _place_of(self, argument: str, value: ArrayLike) -> Array:
@@ -275,7 +275,7 @@ def _claimed(sensor: Sensor, least: Sensor) -> Sensor:
     """
     own = (
         ("position_error", sensor.position_error, least.position_error),
-        ("path_error", sensor.path_error or sensor.position_error, least.path_error),
+        ("path_error", path_error_of(sensor), least.path_error),
     )
     for name, asked, bound in own:
         if asked < bound:

@@ -144,9 +144,13 @@ class Control:
     """mm, from the contact, to take the zero."""
     back_speed: float = 20.0
     """mm/s, at which it does."""
-    zero_within: float = 1.5
+    clear: float = 0.18
+    """mm, to several sides: a tip that takes its zero must be able to go there without a change of force."""
+    clear_within: float = 4.0
+    """s, in which it does."""
+    zero_within: float = 1.0
     """s: the zero is taken so soon after the reading."""
-    rock_within: float = 2.0
+    rock_within: float = 1.5
     """s, for each direction along the surface: so soon before the reading the tip is rocked."""
 
 
@@ -167,6 +171,12 @@ class RigSpec:
     def moving_mass(self) -> float:
         """Of the tip on its spring, kg."""
         return self.beam.tip_mass + self.bearing.mass
+
+    def most_pressed(self, speed: float) -> float:
+        """How far a guarded move may press on, mm: two ticks, the servo's lag, the guard force."""
+        lag = 2.0 / (2.0 * math.pi * self.gantry.servo_hz)
+        stiffness = self.beam.stiffness * (1.0 - self.jig.stiffness_tolerance)
+        return speed * (2.0 / self.control.rate_hz + lag) + self.control.guard_force / stiffness
 
 
 def without_errors(spec: RigSpec, *names: str) -> RigSpec:
@@ -235,6 +245,25 @@ def check(spec: Any) -> None:
         raise ValueError(
             f"spec.control.force: must stay below what the beam bears, {spec.beam.most_force:g} N "
             f"(got {control.force:g}); press less"
+        )
+    stiffest = spec.beam.stiffness * (1.0 + spec.jig.stiffness_tolerance)
+    if not spec.most_pressed(control.guard_speed) * stiffest < spec.beam.most_force:
+        raise ValueError(
+            "spec.control.guard_speed: must be so slow that the beam bears a touch, "
+            f"{spec.beam.most_force:g} N (got {control.guard_speed:g} mm/s); move slower"
+        )
+    electronics = spec.electronics
+    most_read = electronics.full_scale * (1.0 - electronics.offset) / (1.0 + electronics.gain_spread)
+    if not most_read > spec.beam.most_force:
+        raise ValueError(
+            "spec.electronics.full_scale: must hold what the beam bears, offset and gain spread beside it, "
+            f"{spec.beam.most_force:g} N (got {electronics.full_scale:g}, which leaves {most_read:.3g}); "
+            "give more"
+        )
+    if not spec.bearing.radius > spec.stem_radius:
+        raise ValueError(
+            f"spec.bearing.radius: must be larger than the stem's, {spec.stem_radius:g} mm, which touches "
+            f"first otherwise (got {spec.bearing.radius:g}); give a larger bearing"
         )
 
 
