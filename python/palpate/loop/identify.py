@@ -147,7 +147,21 @@ def _run(
     start = start_event(settings, at, simulation=getattr(probe, "simulation", None))
     as_read = json.loads(json.dumps(start, allow_nan=False))
     for name in known[0] if known else ():
-        if known[0][name] != as_read.get(name):
-            raise ValueError(f"{name}: is not that of the log; resume with the same, or begin another log")
+        then, now = known[0][name], as_read.get(name)
+        if then != now:
+            raise ValueError(
+                f"{name}: is not that of the log{_difference(then, now)}; "
+                "resume with the same, or begin another log"
+            )
     journal.record(start)
     return Run(settings, probe, journal, position=at, told=told).result()
+
+
+def _difference(then: object, now: object) -> str:
+    """Which member differs, if it is short."""
+    if not isinstance(then, dict) or not isinstance(now, dict):
+        return ""
+    name = next((name for name in [*then, *now] if then.get(name) != now.get(name)), "")
+    values = [json.dumps(one.get(name)) for one in (then, now)]
+    shown = f" (it has {values[0]}, not {values[1]})" if max(map(len, values)) < 60 else ""
+    return f": {name} differs{shown}"

@@ -136,7 +136,8 @@ class Run:
         if settings.contacts and settings.blind is None:
             return
         finest = self._width if settings.blind is None else self._width / FINER
-        while not self._is_enough() and self._scan(finest):
+        # As fine as it goes where nothing is known to be there: a part with holes may have been missed.
+        while not self._is_enough() and self._scan(finest if self._contacts else self._width / FINER):
             pass
         if not self._contacts:
             raise _Ended("nothing_found", "no scan of the workspace made a reliable contact")
@@ -225,6 +226,7 @@ class Run:
             raise _Ended(
                 "budget", f"one hypothesis is left; the last {PATIENCE} touches made its poses no tighter"
             )
+        self._check_budget()
         began = time.perf_counter()
         path, why = self._plan_verification(last)
         self._seconds["planning"] += time.perf_counter() - began
@@ -260,6 +262,7 @@ class Run:
 
     def _tell_apart(self, hypotheses: list[Hypothesis]) -> None:
         """Go along the best path, if it tells anything."""
+        self._check_budget()
         fewer, self._fewest = len(hypotheses) < self._fewest, min(len(hypotheses), self._fewest)
         if fewer and len(hypotheses) > self._settings.dimension.many and self._explore():
             return
@@ -322,10 +325,14 @@ class Run:
         limit = self._settings.time_limit
         return None if limit is None else max(HARDLY_ANY, limit - self._spent)
 
-    def _touch(self, start: Array, end: Array, *, purpose: Purpose, path: Path | None = None) -> Reply:
-        """The tip goes there and makes the guarded move; what it says is evidence."""
+    def _check_budget(self) -> None:
+        """End, if no more guarded moves may be made: before one, and before the search for one."""
         if len(self._steps) >= self._settings.max_touches:
             raise _Ended("budget", f"{self._settings.max_touches} guarded moves were made")
+
+    def _touch(self, start: Array, end: Array, *, purpose: Purpose, path: Path | None = None) -> Reply:
+        """The tip goes there and makes the guarded move; what it says is evidence."""
+        self._check_budget()
         self._tell()
         route, failed = self._tour.go_to(start)
         if failed is not None:
