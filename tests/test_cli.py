@@ -230,7 +230,7 @@ def test_models_prints_and_draws(folder, capsys):
     out = run(capsys, "models", "bracket.json", "plate.json", "--plot", "models.png")
     assert "bracket: 6 faces, 6 vertices, closed, size 100 mm" in out
     assert "symmetries: looks the same turned by 180°" in out
-    assert "vertices that can't be touched: 3\n" in out
+    assert "vertices that can't be touched, by number: 3\n" in out
     assert Path("models.png").stat().st_size > 1000
 
 
@@ -415,7 +415,9 @@ def test_many_untouchable_vertices_are_summed_up(folder, capsys):
         [(20 + 9 * (k % 2)) * math.cos(a), (20 + 9 * (k % 2)) * math.sin(a)] for k, a in enumerate(angles)
     ]
     write_model("star.json", star)
-    assert "can't be touched: 30 of them, 0, 2, 4, 6, 8 ... 58; --json" in run(capsys, "models", "star.json")
+    assert "can't be touched, by number: 30 of them, 0, 2, 4, 6, 8 ... 58; --json" in run(
+        capsys, "models", "star.json"
+    )
 
 
 def test_tiny_parts_keep_their_digits(folder, capsys):

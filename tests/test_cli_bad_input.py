@@ -85,7 +85,7 @@ CASES = [
         [*RECOGNIZE, "--features", ""],
         "Invalid value for '--features': must be some of face,edge,vertex (got '')",
     ),
-    ([*RECOGNIZE, "--unit", "furlong"], "unit: unknown unit 'furlong'; give one of um, mm"),
+    ([*RECOGNIZE, "--unit", "furlong"], "--unit: unknown unit 'furlong'; give one of um, mm"),
     ([*RECOGNIZE, "--prior-translation", "5"], "--prior-translation 5: must be given with --prior-pose; "),
     ([*RECOGNIZE, "--prior-rotation-deg", "5"], "--prior-rotation-deg 5: must be given with --prior-pose; "),
     ([*RECOGNIZE, "--prior-pose", "0,0,0"], "--prior-pose: must be given with --prior-translation; "),
@@ -168,7 +168,7 @@ CASES = [
     (["models", "pear"], "pear: no such file or folder"),
     (["models", "crossed.json", "--json"], "crossed.json: "),
     (["models", "boot", "--plot", "boot"], "boot: pictures can't be saved as ''"),
-    (["demo", "--part", "teapot"], "part: no such bundled part (got 'teapot')"),
+    (["demo", "--part", "teapot"], "--part: no such bundled part (got 'teapot')"),
     (["demo", "--seed", "x"], "Invalid value for '--seed': must be a whole number (got 'x')"),
     (
         ["demo", "--seed", "-1"],

@@ -291,7 +291,7 @@ def test_models_of_space_are_told_and_drawn(folder, capsys):
     assert "bracket: 8 faces, 18 edges, 12 vertices, closed, size 76.3217 mm" in out
     assert "symmetries: none" in out
     assert "symmetries: looks the same after 5 turns: 2 by 60°, 2 by 120° and 1 by 180°" in out
-    assert "edges that can't be touched: 15\n" in out
+    assert "edges that can't be touched, by number: 15\n" in out
     row = next(line.split() for line in out.splitlines() if line.split()[:2] == ["3", "4"])
     assert row[3:] == ["60.000,", "5.000,", "8.333", "375", "1.000,", "0.000,", "0.000", "touchable"]
     assert Path("models.png").stat().st_size > 10_000

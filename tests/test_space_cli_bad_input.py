@@ -14,7 +14,7 @@ SIX = "--prior-pose: must be six numbers for parts in space"
 WITH_PRIOR = ["recognize", "bracket.json", "--contacts", "touches.csv", "--prior-pose", "0,0,0,0,0,0"]
 BAD = [
     (["tune", "l-bracket"], "l-bracket: " + PLANE_ONLY.format("tuning")),
-    (["demo", "--part", "l-bracket"], "part: l-bracket is a part in space, the demo works in the plane only as yet;"),
+    (["demo", "--part", "l-bracket"], "--part: l-bracket is a part in space, the demo works in the plane only as yet;"),
     (["identify", "boot", "--contacts", "touches.csv", "--pose", "0,0,0"], "contacts[0]: is of dimension 3"),
     (["recognize", "bracket.stl", "boot", "--contacts", "touches.csv"], 'models[1]: "boot" is of dimension 2'),
     (["recognize", "boot", "--contacts", "touches.csv"], "touches.csv, line 3: is of dimension 3"),
@@ -40,7 +40,7 @@ BAD = [
         ["recognize", "boot", "--contacts", "boot", "--prior-pose", "1,2,3", "--prior-translation", "5", "--on-table", "1,2"],
         "--on-table 1,2: must be given with parts in space; leave it out",
     ),
-    (["recognize", "boot", "--contacts", "boot", "--features", "edge"], "features: no edges in the plane (got 'edge')"),
+    (["recognize", "boot", "--contacts", "boot", "--features", "edge"], "--features: no edges in the plane (got 'edge')"),
 ]  # fmt: skip
 
 

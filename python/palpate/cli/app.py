@@ -31,7 +31,17 @@ class _HelpIsAFlag:
 
 
 class _Command(_HelpIsAFlag, TyperCommand):
-    """A command."""
+    """A command; what it refuses is called by its flag where it has one of that name."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except ValueError as error:
+            name, colon, rest = str(error).partition(":")
+            flags = {str(one.name): one.opts[0] for one in self.params if one.opts[0].startswith("--")}
+            if name not in flags:
+                raise
+            raise ValueError(flags[name] + colon + rest) from None
 
 
 class _Group(_HelpIsAFlag, TyperGroup):

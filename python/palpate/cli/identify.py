@@ -275,5 +275,12 @@ def _verdict(result: Result, truth: Model, world_from_truth: Array) -> str:
         turn = ", ".join(f"{value:.6g}°" for value in np.degrees(vector_of(world_from_truth[:3, :3])))
         turn = f"({turn})"
     lies = f"{truth.name} lies at {place}, turned by {turn}"
-    kept = number_of_truth(result.hypotheses, truth, world_from_truth) is not None
-    return f"the truth: {lies}: {'among what is left' if kept else 'not among what is left'}."
+    if result.found is None:
+        kept = "nothing was recognized"
+    elif number_of_truth(result.hypotheses, truth, world_from_truth) is not None:
+        kept = "among what is left"
+    elif not result.found.complete:
+        kept = "not among what was found so far, which is not all that may be left"
+    else:
+        kept = "not among what is left"
+    return f"the truth: {lies}: {kept}."

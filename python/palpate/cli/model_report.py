@@ -45,7 +45,7 @@ def print_models(console: Console, parts: Parts, *, unit: str, faces: bool) -> N
         for nouns, touchable in (("edges", model.touchable_edges), ("vertices", model.touchable_vertices)):
             untouchable = [int(k) for k in np.flatnonzero(~np.asarray(touchable))]
             if untouchable:
-                console.print(f"  {nouns} that can't be touched: {_numbers(untouchable)}")
+                console.print(f"  {nouns} that can't be touched, by number: {_numbers(untouchable)}")
         if faces:
             console.print(_face_table(model, unit=unit))
             if len(model.faces) > MOST_ROWS:
