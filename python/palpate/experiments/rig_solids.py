@@ -15,13 +15,14 @@ from palpate import Model, Result, identify, load_models
 from palpate.experiments.campaign import Row
 from palpate.experiments.experiment import SEEDS, Experiment
 from palpate.experiments.pages import duration, machine, table
-from palpate.experiments.rig_drill import EFFORT, ROOM
+from palpate.experiments.rig_drill import ROOM
 from palpate.experiments.shapes import Array
 from palpate.probe import random_pose
 from palpate.rig import FROM_ABOVE, SIZE, RigProbe, phases_of
 from palpate.truth import number_of_truth
 
 RUNS = 8  # of each group
+EFFORT = 1000  # of planning: some seconds
 GROUPS = (("hexagon",), ("l-bracket",), ("l-bracket", "rib-plate", "hexagon"))
 COLUMNS = ["objects", "statuses", "wrong", "first hypotheses", "paths", "guarded moves"]
 TIMES = ["initial data", "recognition", "path planning", "path execution"]
