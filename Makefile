@@ -128,7 +128,7 @@ tune-figures: .venv/.built ## parameters for the bundled sets of models, in docs
 table-no-normals: .venv/.built ## contacts without normals: hypotheses and times, in docs/tables/no-normals.md
 	$(BIN)/python -m palpate.experiments.no_normals $(ARGS)
 
-rig-figures: .venv/.built .venv/.sim ## the simulated rig: its sensor, its control, 228 closed loops; writes docs/rig.md; resumes
+rig-figures: .venv/.built .venv/.sim ## the simulated rig: its sensor, its control, 219 closed loops; writes docs/rig.md; resumes
 	for name in sensor control drill solids; do $(BIN)/palpate experiment rig-$$name --out target/rig $(ARGS) || exit 1; done
 	$(BIN)/python -m palpate.experiments.rig_page target/rig docs/rig.md
 

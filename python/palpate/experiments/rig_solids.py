@@ -21,7 +21,7 @@ from palpate.probe import random_pose
 from palpate.rig import FROM_ABOVE, SIZE, RigProbe, phases_of
 from palpate.truth import number_of_truth
 
-RUNS = 8  # of each group
+RUNS = 5  # of each group
 EFFORT = 1000  # of planning: some seconds
 GROUPS = (("hexagon",), ("l-bracket",), ("l-bracket", "rib-plate", "hexagon"))
 COLUMNS = ["objects", "statuses", "wrong", "first hypotheses", "paths", "guarded moves"]
