@@ -88,7 +88,7 @@ def markdown(rows: list[Row]) -> str:
                 str(sum(row["lost"] for row in some)),
                 *(f"{mean(name):.2f}" for name in ("first_hypotheses", "paths", "touches")),
                 f"{mean('initial_data'):.0f} s",
-                *(duration(mean(name)) for name in ("recognition", "planning")),
+                *(duration(mean(name)) if mean(name) else "none" for name in ("recognition", "planning")),
                 f"{mean('execution'):.0f} s",
             ]
         )
