@@ -1,7 +1,7 @@
 """Zero and gains: what the computer knows of its gauges (thesis A.1).
 
-The zero is averaged at start-up, followed by a moving window while nothing is touched, and taken anew after
-each contact. Gains come from known weights hung from the bearing: along each axis to either side, so that
+The zero is averaged at start-up, follows a moving window during free moves, and is taken anew at rest before
+each guarded move, during which it stays, and after each contact. Gains come from known weights hung from the bearing: along each axis to either side, so that
 the zero drops out.
 """
 
@@ -37,16 +37,13 @@ class Zero:
     def follow(self, counts: Array) -> None:
         """A tick in which nothing should touch."""
         if np.abs(counts - self.value).max() > self._near:
-            self.hold()
+            # It may be a contact: what was seen last is no zero.
+            self._delay.clear()
             return
         if len(self._delay) == self._delay.maxlen:
             self._window.append(self._delay[0])
             self.value = np.mean(self._window, axis=0)
         self._delay.append(counts)
-
-    def hold(self) -> None:
-        """A tick that may be of a contact: what was seen last is no zero."""
-        self._delay.clear()
 
     def reset(self, counts: Array) -> None:
         """A zero that was averaged at rest, clear of everything."""
