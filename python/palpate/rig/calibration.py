@@ -1,8 +1,8 @@
 """Zero and gains: what the computer knows of its gauges (thesis A.1).
 
 The zero is averaged at start-up, follows a moving window during free moves, and is taken anew at rest before
-each guarded move, during which it stays, and after each contact. Gains come from known weights hung from the bearing: along each axis to either side, so that
-the zero drops out.
+each guarded move, during which it stays, and after each contact. Gains come from known weights hung from the
+bearing: along each axis to either side, so that the zero drops out.
 """
 
 from __future__ import annotations
