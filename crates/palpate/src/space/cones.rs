@@ -31,14 +31,23 @@ struct Around {
     bends: Vec<Bend>,
     /// Normals of its faces.
     normals: Vec<DVec3>,
-    /// No face ends here, none can't be touched, none spans half a turn or more.
+    /// No face can't be touched, none spans half a turn or more.
     is_pointed: bool,
+    /// A face ends here.
+    is_open: bool,
 }
 
-/// The vertices at `points`.
-pub(super) fn vertices(points: &[DVec3], faces: &[Face], edges: &[Edge], bends: &[Bend]) -> Vec<Vertex> {
+/// The vertices at `points`. If the surface is torn, which it is where triangles too low to be told from lines are left
+/// out, faces that end are known to go on.
+pub(super) fn vertices(
+    points: &[DVec3],
+    faces: &[Face],
+    edges: &[Edge],
+    bends: &[Bend],
+    is_torn: bool,
+) -> Vec<Vertex> {
     let around = around(points, faces, edges, bends);
-    let vertex = |(&point, around): (&DVec3, &Around)| Vertex { point, normals: around.cone() };
+    let vertex = |(&point, around): (&DVec3, &Around)| Vertex { point, normals: around.cone(is_torn) };
     points.iter().zip(&around).map(vertex).collect()
 }
 
@@ -54,7 +63,7 @@ fn around(points: &[DVec3], faces: &[Face], edges: &[Edge], bends: &[Bend]) -> V
             let here = &mut all[from as usize];
             here.directions.push((at(to) - at(from)).normalize_or_zero());
             here.bends.push(bend);
-            here.is_pointed &= bend != Bend::Open;
+            here.is_open |= bend == Bend::Open;
         }
     }
     for face in faces.iter().filter(|face| face.surface != Surface::Seam) {
@@ -74,8 +83,8 @@ fn around(points: &[DVec3], faces: &[Face], edges: &[Edge], bends: &[Bend]) -> V
 
 impl Around {
     /// The corners of the cone of outward normals, if there is one.
-    fn cone(&self) -> Option<Vec<DVec3>> {
-        if !self.is_pointed || self.directions.len() < 3 {
+    fn cone(&self, is_torn: bool) -> Option<Vec<DVec3>> {
+        if !self.is_pointed || self.is_open && !is_torn || self.directions.len() < 3 {
             return None;
         }
         let middle = middle(&self.directions);
@@ -88,7 +97,8 @@ impl Around {
             let mut same = self.directions.iter().zip(&self.bends);
             same.all(|(other, bend)| *bend == Bend::Reflex || other.distance(self.directions[k]) > NO_ROOM)
         };
-        if hull.len() < 3 || hull.iter().any(is_reflex) {
+        let is_inner = if is_torn { hull.iter().all(is_reflex) } else { hull.iter().any(is_reflex) };
+        if hull.len() < 3 || is_inner {
             return None;
         }
         let mut corners: Vec<DVec3> = Vec::with_capacity(hull.len());
@@ -106,6 +116,21 @@ impl Around {
         corners.reverse();
         (corners.len() >= 3).then_some(corners)
     }
+}
+
+/// The least cone that holds the corners of two, if it is within a half-space.
+pub(super) fn joined(one: &[DVec3], other: &[DVec3]) -> Option<Vec<DVec3>> {
+    let corners = [one, other].concat();
+    let middle = middle(&corners);
+    if corners.iter().any(|corner| corner.dot(middle) <= NO_ROOM) {
+        return None;
+    }
+    let mut hull: Vec<DVec3> = hull(&corners, middle).into_iter().map(|k| corners[k]).collect();
+    hull.dedup_by(|a, b| a.distance(*b) <= SAME);
+    if hull.len() > 1 && hull[0].distance(hull[hull.len() - 1]) <= SAME {
+        hull.pop();
+    }
+    Some(hull)
 }
 
 /// The middle of the narrowest circular cone around directions, if they fit into an open half-space; else anything.

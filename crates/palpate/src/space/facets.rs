@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::mesh::report_on;
 use super::outlines::area_vector;
+use super::pieces::View;
 use super::regions::Plane;
 use super::scale::Scale;
 use super::solid::{Draft, Solid, of_drafts};
@@ -54,7 +55,10 @@ pub(super) fn of_loops(
         "face(s) given twice dropped, those after are renumbered",
     );
     let off = split_sides(&points, &mut drafts, scale);
-    of_drafts(&points, drafts, scale, off)
+    for draft in &mut drafts {
+        draft.given = View::new(&points, draft.plane.normal).triangles(&draft.loops).unwrap_or_default();
+    }
+    of_drafts(&points, drafts, scale, off, false)
 }
 
 /// The plane of a face, and its loops, the outer one counter-clockwise about the normal.

@@ -31,6 +31,8 @@ pub(super) struct Mesh {
     pub(super) moved: Vec<f64>,
     /// How far points are from the edges that were split there.
     pub(super) deviation: f64,
+    /// It was closed as given, and is not any more.
+    pub(super) is_torn: bool,
 }
 
 /// A use of an edge by a triangle: half-edge `3 t + k` runs from corner `k` of triangle `t` to the next.
@@ -86,14 +88,17 @@ impl Mesh {
             scale,
             moved: vec![0.0; vertices.len()],
             deviation: 0.0,
+            is_torn: false,
         };
         mesh.weld(mends);
+        let was_closed = mesh.open_edges().is_empty();
         let flat = mesh.drop_flat();
         mesh.weld_ends(mends);
         let flat = flat + mesh.drop_flat();
         report(mends, flat, "triangle(s) without area dropped");
         mesh.drop_repeated(mends);
         mesh.split_edges(mends);
+        mesh.is_torn = was_closed && !mesh.open_edges().is_empty();
         Ok(mesh)
     }
 

@@ -7,6 +7,7 @@ mod cell;
 #[cfg(test)]
 mod cell_tests;
 mod cones;
+mod corners;
 mod crossing;
 mod dimension;
 mod distance;

@@ -10,6 +10,7 @@ use glam::DVec3;
 use super::Pose;
 use super::bvh::BvhCache;
 use super::cones::vertices;
+use super::corners::Places;
 use super::crossing;
 use super::edges::edges;
 use super::facets;
@@ -254,7 +255,7 @@ impl Model {
         normal_slack: f64,
         mends: Vec<Mend>,
     ) -> Result<Self, Error> {
-        let Solid { points, faces, triangles, slacks, scale } = solid;
+        let Solid { points, faces, triangles, given, slacks, scale } = solid;
         let (edges, bends, all_paired) = edges(&points, &faces);
         let volume = volume(&points, &triangles);
         let no_volume = 1e-12 * largest_distance(&points).powi(3);
@@ -267,7 +268,11 @@ impl Model {
                 remedy,
             ));
         }
-        let vertices = vertices(&points, &faces, &edges, &bends);
+        let vertices = vertices(&points, &faces, &edges, &bends, false);
+        let reach = slacks.0 + scale.merge_tol;
+        let places = Places { faces: &faces, edges: &edges, vertices, reach };
+        let (vertices, turn) = places.completed(given);
+        let slacks = solid::slacks(slacks.0, slacks.1.max(turn), scale);
         let size = largest_distance(&points);
         let (position_slack, normal_slack) = (position_slack + slacks.0, normal_slack + slacks.1);
         if slacks.1 > 0.0 && normal_slack >= FRAC_PI_2 {

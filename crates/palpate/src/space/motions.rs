@@ -86,7 +86,7 @@ pub(super) fn miss(faces: &[Face], vertices: &[Vertex], is_there: &[bool], symme
 }
 
 /// The angle from a direction to a convex spherical polygon, counter-clockwise as seen from outside; 0 inside.
-fn beyond(corners: &[DVec3], direction: DVec3) -> f64 {
+pub(super) fn beyond(corners: &[DVec3], direction: DVec3) -> f64 {
     let sides = || corners.iter().zip(corners.iter().cycle().skip(1));
     if sides().all(|(a, b)| a.cross(*b).dot(direction) >= 0.0) {
         return 0.0;

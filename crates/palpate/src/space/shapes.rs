@@ -115,16 +115,21 @@ pub(super) fn hull(random: &mut Random, count: usize) -> Shape {
     hull_of((0..count).map(|_| stretch * random.direction()).collect())
 }
 
-/// The hull of points that are all its corners, no four of them in a plane.
+fn coord(point: DVec3) -> robust::Coord3D<f64> {
+    robust::Coord3D { x: point.x, y: point.y, z: point.z }
+}
+
+/// The hull of points, no four of them in a plane.
 pub(super) fn hull_of(points: Vec<DVec3>) -> Shape {
     let count = points.len();
     let mut triangles = Vec::new();
     for a in 0..count {
         for b in a + 1..count {
             for c in b + 1..count {
-                let normal = (points[b] - points[a]).cross(points[c] - points[a]);
-                let heights = points.iter().map(|point| normal.dot(*point - points[a]));
-                let beyond = |sign: f64| heights.clone().filter(|height| sign * height > 1e-9).count();
+                let [p, q, r] = [a, b, c].map(|k| coord(points[k]));
+                // Above the plane it is negative.
+                let heights = points.iter().map(|point| -robust::orient3d(p, q, r, coord(*point)));
+                let beyond = |sign: f64| heights.clone().filter(|height| sign * height > 0.0).count();
                 if beyond(1.0) == 0 {
                     triangles.push([a as u32, b as u32, c as u32]);
                 } else if beyond(-1.0) == 0 {

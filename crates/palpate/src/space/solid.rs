@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use super::corners::as_given;
 use super::mesh::Mesh;
-use super::model::Face;
+use super::model::{Face, Vertex};
 use super::orient::{orient, twins};
 use super::outlines::{drop_straight, loops};
 use super::pieces::View;
@@ -23,6 +24,8 @@ pub(super) struct Solid {
     pub(super) faces: Vec<Face>,
     /// The triangles of all faces but seams, and the face of each.
     pub(super) triangles: Vec<([u32; 3], u32)>,
+    /// The corners on which a tip may rest, before triangles were merged into faces.
+    pub(super) given: Vec<Vertex>,
     /// By how much it may differ from what was given: lengths, and normals in radians.
     pub(super) slacks: (f64, f64),
     /// What was read, and how well its coordinates are known.
@@ -86,7 +89,7 @@ fn turned(plane: &Plane, moved: f64, scale: Scale) -> f64 {
 }
 
 /// What differs by less than decides between poses needs no slack.
-fn slacks(deviation: f64, turn: f64, scale: Scale) -> (f64, f64) {
+pub(super) fn slacks(deviation: f64, turn: f64, scale: Scale) -> (f64, f64) {
     (if deviation > scale.merge_tol { deviation } else { 0.0 }, if turn > NO_TURN { turn } else { 0.0 })
 }
 
@@ -95,7 +98,7 @@ pub(super) struct Draft {
     pub(super) plane: Plane,
     pub(super) surface: Surface,
     pub(super) loops: Vec<Vec<u32>>,
-    /// Triangles that may serve if its loops can't be cut.
+    /// The triangles that make it up, before anything is dropped.
     pub(super) given: Vec<[u32; 3]>,
     /// How far its corners are from those as given, at most.
     pub(super) moved: f64,
@@ -121,16 +124,19 @@ pub(super) fn of_triangles(
         moved: region.moved(&mesh),
     };
     let drafts = regions.iter().zip(loops).map(draft).collect();
-    of_drafts(&mesh.points, drafts, mesh.scale, mesh.deviation)
+    of_drafts(&mesh.points, drafts, mesh.scale, mesh.deviation, mesh.is_torn)
 }
 
-/// A solid of faces over common points; `deviation` is how far points are from edges that were split there.
+/// A solid of faces over common points; `deviation` is how far points are from edges that were split there; `is_torn`: faces
+/// end only where what is too low was left out.
 pub(super) fn of_drafts(
     points: &[DVec3],
     drafts: Vec<Draft>,
     scale: Scale,
     deviation: f64,
+    is_torn: bool,
 ) -> Result<Solid, Error> {
+    let given = as_given(points, &drafts, is_torn);
     let mut keep = vec![false; points.len()];
     let mut rest = Vec::new();
     let (loops, off, cuts) = loop {
@@ -205,5 +211,5 @@ pub(super) fn of_drafts(
     }
     // A point may go from where its edge was split or lost a corner, to its corners' new places, and onto the plane.
     let slacks = slacks(worst + deviation + off, turn, scale);
-    Ok(Solid { points: corners, faces, triangles, slacks, scale })
+    Ok(Solid { points: corners, faces, triangles, given, slacks, scale })
 }

@@ -122,7 +122,8 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(parts: Parts<'a>) -> Self {
-        let mut is_there = vec![false; parts.vertices.len()];
+        // A corner that a face has swallowed is there if it can be touched.
+        let mut is_there: Vec<bool> = parts.vertices.iter().map(|vertex| vertex.normals.is_some()).collect();
         let mut of_side: HashMap<[u32; 2], Vec<u32>> = HashMap::new();
         let mut shortest = f64::INFINITY;
         for (number, face) in (0..).zip(parts.faces).filter(|(_, face)| face.surface != Surface::Seam) {

@@ -14,7 +14,7 @@ use crate::part::Surface;
 const MAGIC: [u8; 8] = *b"palpate3";
 
 /// Raised whenever the layout, or what the ranges mean, changes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// A stored pair, bytes.
 const PAIR: usize = 16;
